@@ -6,9 +6,12 @@ nodes at each of its mesh vertices, each with its own normal.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
-from lelight.scene import BoolArray, FloatArray, IntArray
+import numpy as np
+
+from lelight.insets import inset_positions
+from lelight.scene import BoolArray, FloatArray, IntArray, triangle_areas
 
 
 @dataclass(frozen=True)
@@ -79,3 +82,68 @@ class NodeMesh:
     def __len__(self) -> int:
         """Count nodes."""
         return len(self.positions)
+
+
+#: Border nodes stand off the border of their patch by this part of the local edge length.
+INSET = 2e-3
+
+
+def node_mesh(surface: SurfaceMesh, lit: BoolArray, *, inset: float = INSET) -> NodeMesh:
+    """Give each lit side of each patch nodes of its own: first all fronts, then all backs.
+
+    Parameters
+    ----------
+    lit : (n_patches, 2) bool; column 0 the front, column 1 the back
+    inset : distance of border nodes from the border, in lengths of the edges around them
+    """
+    positions = inset_positions(surface.vertices, surface.triangles, inset=inset)
+    front = _side(surface, positions, lit[:, 0], 1)
+    back = _side(surface, positions, lit[:, 1], -1)
+    columns = {
+        column.name: np.concatenate([getattr(front, column.name), getattr(back, column.name)])
+        for column in fields(NodeMesh)
+    }
+    return NodeMesh(**columns | {"triangles": np.concatenate([front.triangles, back.triangles + len(front)])})
+
+
+def hide(mesh: NodeMesh, mask: BoolArray) -> NodeMesh:
+    """Copy the mesh with exactly the nodes of the mask (n,) hidden."""
+    return replace(mesh, hidden=np.array(mask, dtype=bool))
+
+
+def frames_x(normals: FloatArray) -> FloatArray:
+    """Choose the x axes (n, 3) of frames whose z axes are the unit normals (n, 3).
+
+    Duff et al., "Building an orthonormal basis, revisited", J. Computer Graphics Techniques 6 (2017): without
+    branches, and well conditioned for every normal.
+    """
+    x, y, z = normals.T
+    sign = np.copysign(1.0, z)
+    a = -1.0 / (sign + z)
+    return np.stack([1.0 + sign * x * x * a, sign * x * y * a, -sign * x], axis=1)
+
+
+def _side(surface: SurfaceMesh, positions: FloatArray, lit: BoolArray, side: int) -> NodeMesh:
+    """Nodes on one side (+1 or -1) of the patches that are lit (n_patches,) there."""
+    chosen = lit[surface.vertex_patches]
+    number = np.cumsum(chosen) - 1
+    normals = side * surface.normals[chosen]
+    patches = surface.vertex_patches[chosen]
+    return NodeMesh(
+        vertices=surface.vertices[chosen],
+        positions=positions[chosen],
+        normals=normals,
+        frames_x=frames_x(normals),
+        areas=_node_areas(surface)[chosen],
+        materials=surface.patch_materials[patches],
+        patches=patches,
+        sides=np.full(len(patches), side, dtype=np.int64),
+        hidden=np.zeros(len(patches), dtype=bool),
+        triangles=number[surface.triangles[lit[surface.triangle_patches]][:, ::side]],
+    )
+
+
+def _node_areas(surface: SurfaceMesh) -> FloatArray:
+    """Give each vertex a third (n,) m² of the triangles around it."""
+    thirds = np.repeat(triangle_areas(surface.vertices[surface.triangles]) / 3, 3)
+    return np.bincount(surface.triangles.ravel(), thirds, len(surface.vertices)).astype(np.float64)

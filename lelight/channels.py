@@ -1,0 +1,59 @@
+"""Channels: what the last axis of every photometric array stands for."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lelight.scene import LUMINANCE_WEIGHTS, FloatArray
+
+
+def luminance_weighted(channels: ArrayLike, *, weights: ArrayLike | None = None) -> FloatArray:
+    """Photometric quantity of values in C channels: their sum weighted by what each adds to luminance.
+
+    Parameters
+    ----------
+    channels : (..., C) float
+    weights : (C,) float; default 1 for one channel and Rec. 709's (ITU-R BT.709-6, item 3.2) for three
+
+    Returns
+    -------
+    (...) float
+    """
+    values = np.asarray(channels, dtype=np.float64)
+    return np.asarray(values @ _weights(values.shape[-1], weights))
+
+
+def channel_suffixes(count: int) -> tuple[str, ...]:
+    """Name the endings that tell channels' arrays apart in a file: none, ``_r _g _b``, or ``_1 _2 ...``."""
+    named = {1: ("",), 3: ("_r", "_g", "_b")}
+    return named.get(count) or tuple(f"_{number}" for number in range(1, count + 1))
+
+
+def _weights(count: int, given: ArrayLike | None) -> FloatArray:
+    if given is not None:
+        weights = np.asarray(given, dtype=np.float64)
+    elif count in (1, 3):
+        weights = np.ones(1) if count == 1 else LUMINANCE_WEIGHTS
+    else:
+        raise ValueError(f"weights: {count} channels have no default luminance weights")
+    if weights.shape != (count,):
+        raise ValueError(f"weights: shape {weights.shape}, expected ({count},)")
+    return weights
+
+
+def luminance_weights(count: int) -> FloatArray:
+    """Weights (C,) that turn C channels into one luminance: 1 for grey, Rec. 709's for RGB."""
+    return _weights(count, None)
+
+
+def channel_matrix(count: int) -> FloatArray:
+    """Matrix (3, C) that turns linear Rec. 709 components into the channels carried.
+
+    One channel is the luminance of the colour, three are the components themselves.
+    """
+    if count == 1:
+        return LUMINANCE_WEIGHTS[:, None]
+    if count == len(LUMINANCE_WEIGHTS):
+        return np.eye(count)
+    raise ValueError(f"count: {count} channels cannot be made from three colour components")

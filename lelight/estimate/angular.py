@@ -1,0 +1,171 @@
+"""How a glossy node keeps the angular distribution of what it reflects: in harmonics or on a grid.
+
+Both collect arriving light, contribution by contribution, and end as coefficients of the reflected radiance in
+spherical harmonics of the node's local frame; emitters are left out, their highlights are added when a
+direction is evaluated.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numba import njit
+
+from lelight.estimate.local import Arrivals
+from lelight.harmonics.frames import mirrored, to_local
+from lelight.harmonics.hemigrid import HemisphereGrid
+from lelight.harmonics.indices import terms
+from lelight.harmonics.projection import project_groups
+from lelight.harmonics.zonal import reflected
+from lelight.receivers import Receivers
+from lelight.reflection import Reflectances
+from lelight.scene import FloatArray, IntArray
+
+
+class AngularDetail(Protocol):
+    """What an estimator needs of a way to keep angular distributions."""
+
+    @property
+    def width(self) -> int:
+        """Numbers kept for each node and channel."""
+
+    def collect(self, receivers: Receivers, arrivals: tuple[Arrivals, ...]) -> FloatArray:
+        """Sum arrivals at r receivers into (r, width, C)."""
+
+    def coefficients(
+        self, kept: FloatArray, *, receivers: Receivers, illuminance: FloatArray, reflectances: Reflectances
+    ) -> FloatArray:
+        """Turn what was kept (r, width, C), and illuminance (r, C), into reflected radiance (r, T, C)."""
+
+
+@dataclass(frozen=True)
+class HarmonicDetail:
+    """Closed form of equation (20): every arrival is deposited at its mirrored direction, in harmonics.
+
+    Attributes
+    ----------
+    degree : int, the largest of any node
+    channels : int
+    """
+
+    degree: int
+    channels: int
+
+    @property
+    def width(self) -> int:
+        """(degree + 1)² coefficients."""
+        return terms(self.degree)
+
+    def collect(self, receivers: Receivers, arrivals: tuple[Arrivals, ...]) -> FloatArray:
+        """Project the mirrored arrivals of each receiver; see `AngularDetail`."""
+        kept = np.zeros((len(receivers), self.width, self.channels))
+        if not arrivals:
+            return kept
+        owner, local, irradiance = _sorted(receivers, arrivals)
+        offsets = np.searchsorted(owner, np.arange(len(receivers) + 1))
+        degree = int(receivers.degrees.max())
+        kept[:, : terms(degree)] = project_groups(degree, offsets, mirrored(local), irradiance)
+        return kept
+
+    def coefficients(
+        self, kept: FloatArray, *, receivers: Receivers, illuminance: FloatArray, reflectances: Reflectances
+    ) -> FloatArray:
+        """Multiply by the lobe, degree by degree (Funk-Hecke); see `AngularDetail`."""
+        radiance = np.zeros((len(receivers), self.width, self.channels))
+        for material in np.unique(receivers.materials):
+            own = receivers.materials == material
+            width = terms(int(receivers.degrees[own][0]))
+            radiance[own, :width] = reflected(
+                kept[own, :width],
+                illuminance[own],
+                diffuse=reflectances.diffuse[material],
+                specular=_kept_specular(receivers, reflectances, material),
+                exponent=float(reflectances.exponent[material]),
+            )
+        return radiance
+
+
+@dataclass(frozen=True)
+class GridDetail:
+    """The paper's section 4: reflected radiance in fixed directions, afterwards fitted by harmonics.
+
+    Attributes
+    ----------
+    grid : directions over the hemisphere
+    degree : int of the fit, at most the grid's
+    reflectances : materials, whose lobes are evaluated in every direction of the grid
+    """
+
+    grid: HemisphereGrid
+    degree: int
+    reflectances: Reflectances
+
+    @property
+    def width(self) -> int:
+        """One number a direction."""
+        return self.grid.zenith_count * self.grid.azimuth_count
+
+    def collect(self, receivers: Receivers, arrivals: tuple[Arrivals, ...]) -> FloatArray:
+        """Evaluate the lobe of every arrival in every direction; see `AngularDetail`."""
+        channels = self.reflectances.diffuse.shape[1]
+        kept = np.zeros((len(receivers), self.width, channels))
+        if arrivals:
+            owner, local, irradiance = _sorted(receivers, arrivals)
+            exponents = self.reflectances.exponent[receivers.materials]
+            directions = self.grid.directions.reshape(-1, 3)
+            _reflect_to_grid(kept, owner, mirrored(local), irradiance, exponents, directions)
+        return kept
+
+    def coefficients(
+        self, kept: FloatArray, *, receivers: Receivers, illuminance: FloatArray, reflectances: Reflectances
+    ) -> FloatArray:
+        """Fit the grid by harmonics, add the Lambertian constant; see `AngularDetail`."""
+        channels = kept.shape[2]
+        specular = np.zeros((len(receivers), channels))
+        for material in np.unique(receivers.materials):
+            specular[receivers.materials == material] = _kept_specular(receivers, reflectances, material)
+        shape = (len(receivers), self.grid.zenith_count, self.grid.azimuth_count, channels)
+        glossy = kept.reshape(shape) * specular[:, None, None, :]
+        radiance = self.grid.fit(glossy, self.degree)
+        constant = reflectances.diffuse[receivers.materials] * illuminance / math.pi
+        radiance[:, 0] += constant * math.sqrt(4.0 * math.pi)
+        return radiance
+
+
+def _kept_specular(receivers: Receivers, reflectances: Reflectances, material: int) -> FloatArray:
+    """Ks (C,) of a material, zero where its nodes keep no angular detail."""
+    detailed = receivers.degrees[receivers.materials == material][0] > 0
+    return reflectances.specular[material] * float(detailed)
+
+
+def _sorted(
+    receivers: Receivers, arrivals: tuple[Arrivals, ...]
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Arrivals by receiver, in their order: owner (k,), local directions (k, 3), irradiance (k, C)."""
+    owner = np.concatenate([a.receiver for a in arrivals])
+    order = np.argsort(owner, kind="stable")
+    owner = owner[order]
+    directions = np.concatenate([a.directions for a in arrivals])[order]
+    local = to_local(directions, receivers.normals[owner], receivers.frames_x[owner])
+    light = np.concatenate([a.radiance_solid_angle for a in arrivals])[order]
+    return owner, local, light * np.maximum(local[:, 2:], 0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _reflect_to_grid(kept, owner, axes, irradiance, exponents, directions):
+    """Add (n + 2) / (2 pi) cos^n of every arrival to all directions (d, 3) of its receiver."""
+    for k in range(len(owner)):
+        r = owner[k]
+        n = exponents[r]
+        peak = (n + 2.0) / (2.0 * math.pi)
+        for d in range(len(directions)):
+            cos_alpha = (
+                axes[k, 0] * directions[d, 0] + axes[k, 1] * directions[d, 1] + axes[k, 2] * directions[d, 2]
+            )
+            if cos_alpha > 0.0:
+                reflected_lobe = peak * cos_alpha**n
+                for c in range(kept.shape[2]):
+                    kept[r, d, c] += irradiance[k, c] * reflected_lobe

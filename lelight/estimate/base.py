@@ -1,0 +1,134 @@
+"""A first field, solved on the mesh, that the estimate stands on.
+
+Each node sends out rays once; where they meet the mesh they are rows of a sparse operator A, and the field
+e = E_direct + A e is iterated to its end at almost no cost. It is a draft: it carries the noise of its rays and
+the error of interpolation. The batches put that right, whatever it is: they estimate what is missing.
+"""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from lelight.channels import luminance_weighted
+from lelight.estimate.direct import direct_light
+from lelight.estimate.nearfield import hemisphere_rays
+from lelight.locate import Locator
+from lelight.nodes import NodeMesh
+from lelight.receivers import ILLUMINANCE, Receivers
+from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.world import World
+
+#: Rays of each node, as power of two: more make the draft smoother, and the batches' work lighter.
+LOG2_RAYS = 6
+LOG2_DIRECT = 6
+#: The iteration stops when a step changes the field by less than this share of its largest value.
+SETTLED = 1e-4
+MOST_ITERATIONS = 500
+CHUNK = 1024
+
+
+@dataclass(frozen=True)
+class BaseField:
+    """Illuminance on the mesh, taken as given by the estimators.
+
+    Attributes
+    ----------
+    labels : (n_t,) int, patch of each traced triangle
+    locator : finds the nodes around a surface point
+    illuminance : (n, C) float, lx at the nodes
+    lit : (n_patches, 2) bool, sides that receive light
+    diffuse : (n_materials, C) float, kd
+    materials : (n_t,) int of each traced triangle
+    """
+
+    labels: IntArray
+    locator: Locator
+    illuminance: FloatArray
+    lit: BoolArray
+    diffuse: FloatArray
+    materials: IntArray
+
+    def illuminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
+        """Interpolate the field (k, C), lx, at points (k, 3) on traced triangles (k,)."""
+        nodes, weights = self.locator.find(points, self.labels[triangles], np.where(front, 1, -1))
+        return np.asarray(np.einsum("kj,kjc->kc", weights, self.illuminance[nodes]))
+
+    def luminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
+        """What the Lambertian lobes make of it (k, C), cd/m²."""
+        reflectance = self.diffuse[self.materials[triangles]]
+        return reflectance * self.illuminance_at(triangles, points, front) / math.pi
+
+
+def solve_base(
+    world: World,
+    mesh: NodeMesh,
+    receivers: Receivers,
+    *,
+    labels: IntArray,
+    lit: BoolArray,
+    seed: int,
+    executor: Executor,
+) -> BaseField:
+    """Solve for the illuminance at all nodes of the mesh; gloss reflects as if it were Lambertian here.
+
+    Parameters
+    ----------
+    receivers : those of the nodes, in their order
+    """
+    locator = Locator(mesh)
+    chunks = [slice(first, first + CHUNK) for first in range(0, len(mesh), CHUNK)]
+    parts = list(
+        executor.map(lambda chunk: _rows(world, locator, receivers[chunk], labels, len(mesh), seed), chunks)
+    )
+    direct = np.concatenate([part.direct for part in parts])
+    albedo = world.reflectances.diffuse + world.reflectances.specular
+    operator = _stacked([part.operator for part in parts], len(mesh))
+    illuminance = _iterate(operator, direct, albedo[mesh.materials])
+    return BaseField(labels, locator, illuminance, lit, world.reflectances.diffuse, world.materials)
+
+
+@dataclass(frozen=True)
+class _Rows:
+    direct: FloatArray
+    operator: csr_array
+
+
+def _rows(
+    world: World, locator: Locator, receivers: Receivers, labels: IntArray, nodes_in_all: int, seed: int
+) -> _Rows:
+    """Direct light (r, C) of some nodes and their rows of the gathering operator."""
+    direct, _ = direct_light(world, receivers, log2_samples=LOG2_DIRECT, seed=(seed, 7))
+    origins, directions, owner = hemisphere_rays(world, receivers, log2_samples=LOG2_RAYS, seed=(seed, 8))
+    hits = world.caster.closest(origins, directions)
+    met = np.flatnonzero(hits.triangle >= 0)
+    triangle = hits.triangle[met]
+    front = np.einsum("kx,kx->k", directions[met], world.normals[triangle]) < 0
+    nodes, weights = locator.find(hits.points[met], labels[triangle], np.where(front, 1, -1))
+    rows = np.repeat(owner[met], nodes.shape[1])
+    shape = (len(receivers), nodes_in_all)
+    operator = csr_array((weights.ravel() / 2**LOG2_RAYS, (rows, nodes.ravel())), shape=shape)
+    return _Rows(direct[:, ILLUMINANCE], operator)
+
+
+def _stacked(parts: list[csr_array], columns: int) -> csr_array:
+    data = np.concatenate([part.data for part in parts])
+    indices = np.concatenate([part.indices for part in parts])
+    counts = np.concatenate([np.diff(part.indptr) for part in parts])
+    return csr_array((data, indices, np.concatenate([[0], np.cumsum(counts)])), shape=(len(counts), columns))
+
+
+def _iterate(operator: csr_array, direct: FloatArray, albedo: FloatArray) -> FloatArray:
+    """Fixed point e = direct + A (albedo e), (n, C)."""
+    illuminance = direct
+    for _ in range(MOST_ITERATIONS):
+        following = direct + operator @ (albedo * illuminance)
+        change = np.abs(following - illuminance).max(initial=0.0)
+        illuminance = following
+        if change <= SETTLED * luminance_weighted(np.abs(illuminance)).max(initial=0.0):
+            break
+    return illuminance

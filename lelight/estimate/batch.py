@@ -1,0 +1,202 @@
+"""One batch: an independent, unbiased estimate of the light at all receivers.
+
+Batch k depends on ``(seed, k)`` only. Receivers are worked on in blocks, by as many threads as there are, and
+every receiver adds its contributions in the same order whatever the blocks and threads: the bits do not change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from lelight.chains import ChainVertices, emission_chains
+from lelight.estimate.angular import AngularDetail
+from lelight.estimate.base import BaseField
+from lelight.estimate.defect import defect_chains
+from lelight.estimate.direct import direct_light
+from lelight.estimate.local import Arrivals, LocalEstimate, local_estimate
+from lelight.estimate.nearfield import near_field
+from lelight.receivers import MOMENTS, Receivers
+from lelight.scene import FloatArray, IntArray
+from lelight.world import World
+
+#: Receivers in a block: enough for coherent rays, few enough for memory and for all threads to have work.
+BLOCK = 256
+#: What tells the random numbers of a batch's parts from each other.
+CHAINS, DIRECT, NEAR = 1, 2, 3
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much one batch does.
+
+    Attributes
+    ----------
+    log2_chains : int, chains from the emitters, as power of two
+    log2_direct : int, shadow rays to emitters for each receiver, as power of two
+    log2_near : int, near-field rays for each receiver, as power of two
+    bound : float, 1/m²; b that splits the kernel between chains and near field
+    """
+
+    log2_chains: int
+    log2_direct: int
+    log2_near: int
+    bound: float
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What one batch found at r receivers, g of them with angular detail.
+
+    Attributes
+    ----------
+    direct, indirect : (r, 6, C) float, moments of light straight from emitters and of all the rest
+    angular : (g, width, C) float, or (0, 0, C) where nothing is glossy
+    vertices, rays : int, chain vertices and rays of all kinds
+    seconds : thread seconds spent on chains, on the pair kernel, on direct light and on the near field
+    """
+
+    direct: FloatArray
+    indirect: FloatArray
+    angular: FloatArray
+    vertices: int
+    rays: int
+    seconds: dict[str, float]
+
+
+def estimate_batch(
+    world: World,
+    receivers: Receivers,
+    *,
+    effort: Effort,
+    seed: tuple[int, int],
+    base: BaseField | None,
+    detail: AngularDetail | None,
+    executor: Executor,
+) -> Batch:
+    """Estimate once, with ``effort``.
+
+    Parameters
+    ----------
+    seed : the run's seed and the batch's number
+    base : field on which the estimate stands; without one the chains start at the emitters
+    detail : how angular distributions are kept, None where nothing is glossy
+    """
+    started = perf_counter()
+    vertices = chain_vertices(world, base, log2_chains=effort.log2_chains, seed=(*seed, CHAINS))
+    chain_seconds = perf_counter() - started
+    blocks = list(blocks_of(receivers.degrees))
+    parts = executor.map(
+        lambda block: _estimate_block(world, receivers[block], vertices, effort, seed, base, detail), blocks
+    )
+    batch = _assembled(receivers, blocks, parts, world.channels, detail)
+    batch.seconds["chains"] = chain_seconds
+    return Batch(batch.direct, batch.indirect, batch.angular, len(vertices), batch.rays + len(vertices), batch.seconds)
+
+
+def chain_vertices(
+    world: World, base: BaseField | None, *, log2_chains: int, seed: tuple[int, ...]
+) -> ChainVertices:
+    """Walk the chains of a batch: from the emitters, or from what a base field lacks."""
+    if base is None:
+        return emission_chains(world, log2_chains=log2_chains, seed=seed)
+    return defect_chains(world, base, log2_chains=log2_chains, seed=seed)
+
+
+def blocks_of(degrees: IntArray) -> Iterator[IntArray]:
+    """Cut receivers (r,) into blocks of neighbours that keep the same angular detail."""
+    for degree in np.unique(degrees):
+        own = np.flatnonzero(degrees == degree)
+        for first in range(0, len(own), BLOCK):
+            yield own[first : first + BLOCK]
+
+
+def _estimate_block(
+    world: World,
+    receivers: Receivers,
+    vertices: ChainVertices,
+    effort: Effort,
+    seed: tuple[int, int],
+    base: BaseField | None,
+    detail: AngularDetail | None,
+) -> Batch:
+    """Let chains, emitters and near surfaces light one block of receivers."""
+    times = [perf_counter()]
+    chains = local_estimate(world, receivers, vertices=vertices, bound=effort.bound)
+    times.append(perf_counter())
+    direct, direct_rays = _direct(world, receivers, effort, (*seed, DIRECT))
+    times.append(perf_counter())
+    near = _near(world, receivers, effort, (*seed, NEAR), base)
+    times.append(perf_counter())
+    if detail is not None and receivers.degrees[0] > 0:
+        angular = detail.collect(receivers, chains.arrivals + near.arrivals)
+    else:
+        angular = np.zeros((0, 0, world.channels))
+    times.append(perf_counter())
+    spent = dict(zip(("kernel", "direct", "near_field", "angular"), np.diff(times).tolist(), strict=True))
+    rays = chains.rays + direct_rays + near.rays
+    return Batch(direct, chains.moments + near.moments, angular, 0, rays, spent)
+
+
+def _direct(
+    world: World, receivers: Receivers, effort: Effort, seed: tuple[int, ...]
+) -> tuple[FloatArray, int]:
+    """Direct light of a block (r, 6, C), sampled as often as each receiver needs, and the rays it took."""
+    moments = np.zeros((len(receivers), MOMENTS, world.channels))
+    rays = 0
+    for log2_samples, own in _groups(effort.log2_direct + receivers.direct_doublings):
+        moments[own], traced = direct_light(world, receivers[own], log2_samples=log2_samples, seed=seed)
+        rays += traced
+    return moments, rays
+
+
+def _near(
+    world: World, receivers: Receivers, effort: Effort, seed: tuple[int, ...], base: BaseField | None
+) -> LocalEstimate:
+    """Near field of a block, sampled as often as each receiver needs."""
+    moments = np.zeros((len(receivers), MOMENTS, world.channels))
+    arrivals: list[Arrivals] = []
+    rays = 0
+    for log2_samples, own in _groups(effort.log2_near + receivers.near_doublings):
+        moments[own], found, traced = near_field(
+            world, receivers[own], bound=effort.bound, log2_samples=log2_samples, seed=seed, base=base
+        )
+        arrivals += [replace(part, receiver=own[part.receiver]) for part in found]
+        rays += traced
+    return LocalEstimate(moments, tuple(arrivals), rays)
+
+
+def _groups(log2_samples: IntArray) -> Iterator[tuple[int, IntArray]]:
+    """Receivers by how often they sample."""
+    counts = np.maximum(log2_samples, 0)
+    for log2_count in np.unique(counts):
+        yield int(log2_count), np.flatnonzero(counts == log2_count)
+
+
+def _assembled(
+    receivers: Receivers,
+    blocks: list[IntArray],
+    parts: Iterator[Batch],
+    channels: int,
+    detail: AngularDetail | None,
+) -> Batch:
+    """Put the blocks back in the receivers' order."""
+    count = len(receivers)
+    direct, indirect = np.zeros((count, MOMENTS, channels)), np.zeros((count, MOMENTS, channels))
+    detailed = np.cumsum(receivers.degrees > 0) - 1
+    width = detail.width if detail is not None else 0
+    angular = np.zeros((int(np.count_nonzero(receivers.degrees > 0)) if width else 0, width, channels))
+    rays = 0
+    seconds: dict[str, float] = {}
+    for block, part in zip(blocks, parts, strict=True):
+        direct[block], indirect[block] = part.direct, part.indirect
+        if len(part.angular):
+            angular[detailed[block]] = part.angular
+        rays += part.rays
+        for stage, spent in part.seconds.items():
+            seconds[stage] = seconds.get(stage, 0.0) + spent
+    return Batch(direct, indirect, angular, 0, rays, seconds)

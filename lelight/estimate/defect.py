@@ -1,0 +1,169 @@
+"""Chains that carry what a base field lacks (sequential Monte Carlo; Halton 1962).
+
+With L_h the base's Lambertian radiance and T the reflection of arriving light, the true field is
+L = L_e + L_h + D + T D + T² D + ..., D = T (L_e + L_h) - L_h. Its Lambertian part, kd/pi (E_direct + gathered
+base - base), is small where the base is good; its Phong part is what gloss makes of emitters and base. Chains
+start from both with signed weights, and light the nodes like any others. The sum is unbiased for any base.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lelight.chains import (
+    DIFFUSE_LOBE,
+    REFLECTION_DIMENSIONS,
+    SOBOL_REFLECTIONS,
+    SPECULAR_LOBE,
+    START_DIMENSIONS,
+    ChainVertices,
+    arrive,
+    emit,
+    joined,
+    walk_on,
+)
+from lelight.estimate.base import BaseField
+from lelight.estimate.direct import direct_light
+from lelight.estimate.nearfield import near_field
+from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
+from lelight.sampling import cosine_directions, sobol
+from lelight.scene import BoolArray, FloatArray, IntArray, triangle_areas
+from lelight.world import World
+
+#: Rays to emitters and into the room that estimate the defect where a chain starts, as power of two.
+LOG2_DEFECT_RAYS = 6
+#: Share of starts on sides that the pilot walk found dark, in case it missed something.
+DARK_SHARE = 0.1
+#: Parts of a seed.
+STARTS, GLOSS, DEFECT_DIRECT, DEFECT_GATHER = 11, 12, 13, 14
+
+
+@dataclass(frozen=True)
+class _Faces:
+    """Sides of triangles from which chains can start: triangle, side (+1, -1) and cumulative probability."""
+
+    triangle: IntArray
+    side: IntArray
+    probability: FloatArray
+
+    def drawn(self, u: FloatArray) -> IntArray:
+        """Face (k,) for uniform numbers (k,)."""
+        cumulative = np.cumsum(self.probability)
+        return np.minimum(
+            np.searchsorted(cumulative, u * cumulative[-1], side="right"), len(cumulative) - 1
+        )
+
+
+def defect_chains(
+    world: World, base: BaseField, *, log2_chains: int, seed: tuple[int, ...]
+) -> ChainVertices:
+    """Vertices of chains that carry what ``base`` lacks; 2**log2_chains of each kind.
+
+    Returns
+    -------
+    ChainVertices : flux is signed; an unbiased estimate of the missing light, as `emission_chains` is of all
+    """
+    parts = [_lambertian(world, base, log2_chains=log2_chains, seed=(*seed, STARTS))]
+    if np.any(world.reflectances.specular_share > 0):
+        parts.append(_glossy(world, base, log2_chains=log2_chains, seed=(*seed, GLOSS)))
+    return joined(parts)
+
+
+def _points(log2_chains: int, seed: tuple[int, ...]) -> FloatArray:
+    dimensions = START_DIMENSIONS + SOBOL_REFLECTIONS * REFLECTION_DIMENSIONS
+    return sobol(dimensions, log2_count=log2_chains, seed=seed)
+
+
+def _lambertian(
+    world: World, base: BaseField, *, log2_chains: int, seed: tuple[int, ...]
+) -> ChainVertices:
+    """Chains from surface points, by the defect of the base there."""
+    points = _points(log2_chains, seed)
+    start, area = _surface_points(world, base, points)
+    receivers = with_surface(space_receivers(start.points, start.normals))
+    direct, _ = direct_light(world, receivers, log2_samples=LOG2_DEFECT_RAYS, seed=(*seed, DEFECT_DIRECT))
+    gathered, _, _ = near_field(
+        world, receivers, bound=math.inf, log2_samples=LOG2_DEFECT_RAYS, seed=(*seed, DEFECT_GATHER), base=base
+    )
+    assumed = base.illuminance_at(start.triangles, start.points, start.front)
+    defect = direct[:, ILLUMINANCE] + gathered[:, ILLUMINANCE] - assumed
+    first = start.with_flux(defect * (area / len(points))[:, None])
+    return walk_on(world, first, chain=np.arange(len(points)), points=points, seed=seed)
+
+
+def _surface_points(world: World, base: BaseField, numbers: FloatArray) -> tuple[ChainVertices, FloatArray]:
+    """Points on reflecting surfaces and the area (k,) in m² that each stands for, one over its density."""
+    faces = _faces(world, base)
+    face = faces.drawn(numbers[:, 0])
+    triangle, side = faces.triangle[face], faces.side[face]
+    root = np.sqrt(numbers[:, 1])
+    weights = np.stack([1.0 - root, root * (1.0 - numbers[:, 2]), root * numbers[:, 2]], axis=1)
+    points = np.einsum("kc,kcx->kx", weights, world.caster.corners[triangle])
+    normals = side[:, None] * world.normals[triangle]
+    vertices = ChainVertices(
+        points=points,
+        normals=normals,
+        incoming=normals,
+        flux=np.zeros((len(points), world.channels)),
+        materials=world.materials[triangle],
+        triangles=triangle,
+        front=side > 0,
+        lobes=np.full(len(points), DIFFUSE_LOBE),
+    )
+    areas = triangle_areas(world.caster.corners)
+    return vertices, areas[triangle] / faces.probability[face]
+
+
+def _faces(world: World, base: BaseField) -> _Faces:
+    """Sides of all triangles that reflect diffusely, by area and albedo; dark ones more rarely."""
+    albedo = world.reflectances.diffuse_share[world.materials]
+    weight = np.concatenate([triangle_areas(world.caster.corners) * albedo] * 2)
+    lit = base.lit[base.labels].T.ravel()
+    weight = np.where(lit, weight, _share_of_dark(weight, lit) * weight)
+    count = len(world.materials)
+    chosen = np.flatnonzero(weight > 0)
+    return _Faces(
+        triangle=chosen % count,
+        side=np.where(chosen < count, 1, -1),
+        probability=weight[chosen] / weight.sum() if len(chosen) else weight,
+    )
+
+
+def _share_of_dark(weight: FloatArray, lit: BoolArray) -> float:
+    """Factor that gives the dark sides together their share."""
+    dark = float(weight[~lit].sum())
+    return DARK_SHARE / (1.0 - DARK_SHARE) * float(weight[lit].sum()) / dark if dark > 0 else 0.0
+
+
+def _glossy(world: World, base: BaseField, *, log2_chains: int, seed: tuple[int, ...]) -> ChainVertices:
+    """Chains from emitters and from the base's own radiance, of which only glossy reflection is kept at first."""
+    from_emitters = _points(log2_chains, (*seed, 1))
+    origins, directions, flux = emit(world.emitters, from_emitters, world.caster.offset)
+    from_base = _points(log2_chains, (*seed, 2))
+    base_origins, base_directions, base_flux = _emit_base(world, base, from_base)
+    first, alive = arrive(
+        world,
+        np.concatenate([origins, base_origins]),
+        np.concatenate([directions, base_directions]),
+        np.concatenate([flux, base_flux]) / len(from_base),
+    )
+    glossy = np.flatnonzero(world.reflectances.specular_share[first.materials] > 0)
+    first = first[glossy].with_lobes(SPECULAR_LOBE)
+    return walk_on(
+        world, first, chain=alive[glossy], points=np.concatenate([from_emitters, from_base]), seed=seed
+    )
+
+
+def _emit_base(
+    world: World, base: BaseField, numbers: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Let the base's Lambertian radiance shine: origins, directions and flux over probability."""
+    start, area = _surface_points(world, base, numbers)
+    luminance = base.luminance_at(start.triangles, start.points, start.front)
+    directions = cosine_directions(numbers[:, 3:5], start.normals)
+    origins = world.caster.leave(start.points, start.normals)
+    return origins, directions, math.pi * luminance * area[:, None]
+

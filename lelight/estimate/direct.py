@@ -1,0 +1,144 @@
+"""Light that comes straight from the emitters, sampled from the receiver's side.
+
+Sources are drawn by what they can give at the receiver and luminous triangles by solid angle, so a lamp costs a
+few rays however near it is. The unshadowed illuminance is known in closed form; a share of it, chosen
+beforehand, is taken from there and only the difference is sampled (a control variate). Where nothing is in the
+way, no noise is left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numba import njit
+
+from lelight.chains import hash_of
+from lelight.emitters import LOCAL_CHOICE_LIMIT, choice_cdf, chosen, source_strength, toward, unshadowed
+from lelight.estimate.local import Arrivals
+from lelight.estimate.moments import add_arrivals
+from lelight.receivers import ILLUMINANCE, MOMENTS, Receivers
+from lelight.sampling import mix, rotated, sobol, uniform
+from lelight.scene import FloatArray
+from lelight.world import World
+
+_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
+
+#: Shadow rays that tell beforehand how much of the emitters a receiver sees, as power of two.
+LOG2_PREVIEW = 5
+
+
+def direct_light(
+    world: World, receivers: Receivers, *, log2_samples: int, seed: tuple[int, ...]
+) -> tuple[FloatArray, int]:
+    """Moments (r, 6, C) of the light that reaches the receivers from emitters, and the rays it took."""
+    numbers = sobol(3, log2_count=log2_samples, seed=seed)
+    drawn = _draw(world, receivers, numbers, hash_of(seed))
+    light = drawn.arrivals.radiance_solid_angle / len(numbers)
+    owner = drawn.arrivals.receiver
+    clear = world.caster.visible(drawn.origins, drawn.ends)
+    moments = np.zeros((len(receivers), MOMENTS, world.channels))
+    add_arrivals(moments, owner[clear], drawn.arrivals.directions[clear], receivers.normals, light[clear])
+    _correct(moments, receivers, drawn, light)
+    return moments, len(owner)
+
+
+def with_clear_share(world: World, receivers: Receivers, *, seed: tuple[int, ...]) -> Receivers:
+    """Find out beforehand how much of the emitters' light reaches each receiver.
+
+    Among very many sources the closed form would cost more than it saves; there the share stays zero.
+    """
+    if len(world.emitters.power) > LOCAL_CHOICE_LIMIT:
+        return receivers
+    drawn = _draw(world, receivers, sobol(3, log2_count=LOG2_PREVIEW, seed=seed), hash_of(seed))
+    clear = world.caster.visible(drawn.origins, drawn.ends)
+    weight = drawn.arrivals.radiance_solid_angle.sum(axis=1)
+    count = len(receivers)
+    total = np.bincount(drawn.arrivals.receiver, weights=weight, minlength=count)
+    seen = np.bincount(drawn.arrivals.receiver, weights=weight * clear, minlength=count)
+    share = np.divide(seen, total, out=np.zeros(count), where=total > 0)
+    return replace(receivers, clear_share=share)
+
+
+class _Drawn:
+    """Shadow rays of a block of receivers: the light each would bring, and its two ends."""
+
+    def __init__(self, room: int, count: int, channels: int) -> None:
+        self.arrivals = Arrivals(
+            np.empty(room, dtype=np.int64), np.empty((room, 3)), np.empty((room, channels))
+        )
+        self.origins, self.ends = np.empty((room, 3)), np.empty((room, 3))
+        self.unshadowed = np.zeros((count, channels))
+
+    def cut(self, count: int) -> None:
+        """Keep the first ``count`` rays."""
+        a = self.arrivals
+        self.arrivals = Arrivals(a.receiver[:count], a.directions[:count], a.radiance_solid_angle[:count])
+        self.origins, self.ends = self.origins[:count], self.ends[:count]
+
+
+def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint64) -> _Drawn:
+    drawn = _Drawn(len(receivers) * len(numbers), len(receivers), world.channels)
+    count = _draw_rays(
+        world.emitters, receivers.points, receivers.normals, receivers.on_surface, numbers,
+        receivers.identity, receivers.clear_share, key, world.caster.offset,
+        drawn.arrivals.receiver, drawn.arrivals.directions, drawn.arrivals.radiance_solid_angle,
+        drawn.origins, drawn.ends, drawn.unshadowed,
+    )
+    drawn.cut(count)
+    return drawn
+
+
+def _correct(moments: FloatArray, receivers: Receivers, drawn: _Drawn, light: FloatArray) -> None:
+    """Add share x (closed form - all samples, blocked or not), whose expectation is zero, to the illuminance."""
+    owner = drawn.arrivals.receiver
+    cos_theta = np.einsum("kx,kx->k", drawn.arrivals.directions, receivers.normals[owner])
+    sampled = np.zeros_like(drawn.unshadowed)
+    _add_rows(sampled, owner, light * np.maximum(cos_theta, 0.0)[:, None])
+    moments[:, ILLUMINANCE] += receivers.clear_share[:, None] * (drawn.unshadowed - sampled)
+
+
+@njit(**_COMPILED)
+def _add_rows(total, owner, rows):
+    for k in range(len(owner)):
+        for c in range(rows.shape[1]):
+            total[owner[k], c] += rows[k, c]
+
+
+@njit(**_COMPILED)
+def _draw_rays(
+    emitters, points, normals, on_surface, numbers, identity, clear_share, key, offset,
+    receiver, directions, light, origins, ends, closed_form,
+):
+    """Draw the shadow rays of each receiver; returns how many carry light."""
+    count = 0
+    scratch = np.empty(len(emitters.power))
+    for r in range(len(points)):
+        x, y, z = points[r]
+        nx, ny, nz = normals[r]
+        lift = offset if on_surface[r] else 0.0
+        if not choice_cdf(emitters, x, y, z, nx, ny, nz, on_surface[r], scratch):
+            continue
+        if clear_share[r] > 0.0:
+            unshadowed(emitters, x, y, z, nx, ny, nz, closed_form[r])
+        own = mix(key, np.uint64(identity[r]))
+        shifts = (uniform(own, np.uint64(0)), uniform(own, np.uint64(1)), uniform(own, np.uint64(2)))
+        for s in range(len(numbers)):
+            source, share = chosen(scratch, rotated(numbers[s, 0], shifts[0]))
+            u, v = rotated(numbers[s, 1], shifts[1]), rotated(numbers[s, 2], shifts[2])
+            d, distance, factor, _ = toward(emitters, source, x, y, z, u, v)
+            cos_theta = d[0] * nx + d[1] * ny + d[2] * nz
+            if factor <= 0.0 or (on_surface[r] and cos_theta <= 0.0):
+                continue
+            receiver[count] = r
+            directions[count, 0], directions[count, 1], directions[count, 2] = d
+            for c in range(light.shape[1]):
+                light[count, c] = source_strength(emitters, source, c) * factor / share
+            reach = distance - 2.0 * offset
+            for axis in range(3):
+                n = nx if axis == 0 else (ny if axis == 1 else nz)
+                o = x if axis == 0 else (y if axis == 1 else z)
+                origins[count, axis] = o + lift * n
+                ends[count, axis] = o + lift * n + reach * d[axis]
+            count += 1
+    return count

@@ -1,0 +1,221 @@
+"""The local estimate: every chain vertex lights every receiver it sees (equation (16) of the method's paper).
+
+A vertex y with flux W gives the receiver x the irradiance W f(y) G(x, y), G = cos cos' / r² (without the
+receiver's cosine in space). G has no bound, so it is split: here min(G, b) for the Lambertian lobe and
+min(pi lobe G, b) for the Phong lobe; what is cut off comes from the receiver's own side (`nearfield`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from lelight.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
+from lelight.estimate.moments import add_arrival
+from lelight.receivers import MOMENTS, Receivers
+from lelight.reflection import lobe
+from lelight.sampling import mirrored
+from lelight.scene import FloatArray, IntArray
+from lelight.world import World
+
+_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
+
+#: Vertices handled at once for one block of receivers; bounds memory, does not change results.
+VERTEX_CHUNK = 1024
+
+
+@dataclass(frozen=True)
+class Arrivals:
+    """Light that arrives at receivers, one row a ray.
+
+    Attributes
+    ----------
+    receiver : (k,) int
+    directions : (k, 3) float, unit, toward the light
+    radiance_solid_angle : (k, C) float, cd/m² sr
+    """
+
+    receiver: IntArray
+    directions: FloatArray
+    radiance_solid_angle: FloatArray
+
+
+@dataclass(frozen=True)
+class LocalEstimate:
+    """What the chains give a block of receivers.
+
+    Attributes
+    ----------
+    moments : (r, 6, C) float
+    arrivals : the single rays, only where receivers keep angular detail
+    rays : int, shadow rays traced
+    """
+
+    moments: FloatArray
+    arrivals: tuple[Arrivals, ...]
+    rays: int
+
+
+def local_estimate(
+    world: World, receivers: Receivers, *, vertices: ChainVertices, bound: float
+) -> LocalEstimate:
+    """Let all vertices light all receivers, through shadow rays, with the kernel bounded by ``bound`` (1/m²)."""
+    moments = np.zeros((len(receivers), MOMENTS, world.channels))
+    kept: list[Arrivals] = []
+    rays = 0
+    angular = bool(np.any(receivers.degrees > 0))
+    for first in range(0, len(vertices), VERTEX_CHUNK):
+        chunk = slice(first, first + VERTEX_CHUNK)
+        pairs = _pairs(world, receivers, vertices, chunk, bound)
+        rays += len(pairs.vertex)
+        clear = np.flatnonzero(world.caster.unblocked(pairs.origins, pairs.segments))
+        _gather(moments, receivers, vertices, pairs, clear, world)
+        if angular:
+            kept.append(_arrivals(receivers, vertices, pairs, clear, world))
+    return LocalEstimate(moments, tuple(kept), rays)
+
+
+@dataclass(frozen=True)
+class _Pairs:
+    vertex: IntArray
+    receiver: IntArray
+    diffuse: FloatArray
+    specular: FloatArray
+    origins: np.ndarray[tuple[int, int], np.dtype[np.float32]]
+    segments: np.ndarray[tuple[int, int], np.dtype[np.float32]]
+
+
+def _pairs(
+    world: World, receivers: Receivers, vertices: ChainVertices, chunk: slice, bound: float
+) -> _Pairs:
+    number = np.arange(len(vertices))[chunk]
+    room = len(number) * len(receivers)
+    pairs = _Pairs(
+        vertex=np.empty(room, dtype=np.int64),
+        receiver=np.empty(room, dtype=np.int64),
+        diffuse=np.empty(room),
+        specular=np.empty(room),
+        origins=np.empty((room, 3), dtype=np.float32),
+        segments=np.empty((room, 3), dtype=np.float32),
+    )
+    caster = world.caster
+    count = _list_pairs(
+        number, vertices.points, vertices.normals, vertices.incoming, vertices.materials, vertices.lobes,
+        world.reflectances,
+        receivers.points, receivers.normals, receivers.on_surface, bound,
+        caster.centre, caster.scale, caster.offset,
+        pairs.vertex, pairs.receiver, pairs.diffuse, pairs.specular, pairs.origins, pairs.segments,
+    )
+    return _Pairs(
+        pairs.vertex[:count], pairs.receiver[:count], pairs.diffuse[:count], pairs.specular[:count],
+        pairs.origins[:count], pairs.segments[:count],
+    )
+
+
+@njit(**_COMPILED)
+def _list_pairs(
+    number, points, normals, incoming, materials, lobes, reflectances,
+    at, at_normals, on_surface, bound,
+    centre, scale, offset,
+    out_vertex, out_receiver, out_diffuse, out_specular, out_origins, out_segments,
+):
+    """Write the pairs that can exchange light, with their kernel and their ray in embree's coordinates."""
+    count = 0
+    for i in number:
+        m = materials[i]
+        kd = reflectances.diffuse_share[m] if lobes[i] & DIFFUSE_LOBE else 0.0
+        ks = reflectances.specular_share[m] if lobes[i] & SPECULAR_LOBE else 0.0
+        if kd + ks <= 0.0:
+            continue
+        px, py, pz = points[i]
+        nx, ny, nz = normals[i]
+        n = reflectances.exponent[m]
+        if ks > 0.0:
+            mx, my, mz = mirrored(incoming[i, 0], incoming[i, 1], incoming[i, 2], nx, ny, nz)
+        else:
+            mx, my, mz = 0.0, 0.0, 0.0
+        ox = (px + offset * nx - centre[0]) * scale
+        oy = (py + offset * ny - centre[1]) * scale
+        oz = (pz + offset * nz - centre[2]) * scale
+        for r in range(len(at)):
+            dx, dy, dz = at[r, 0] - px, at[r, 1] - py, at[r, 2] - pz
+            cos_vertex = dx * nx + dy * ny + dz * nz
+            if cos_vertex <= 0.0:
+                continue
+            lift = 0.0
+            cos_receiver = 1.0
+            square = dx * dx + dy * dy + dz * dz
+            distance = math.sqrt(square)
+            if on_surface[r]:
+                cos_receiver = -(
+                    dx * at_normals[r, 0] + dy * at_normals[r, 1] + dz * at_normals[r, 2]
+                ) / distance
+                if cos_receiver <= 0.0:
+                    continue
+                lift = offset
+            cos_vertex /= distance
+            kernel = cos_vertex * cos_receiver / square
+            specular = 0.0
+            if ks > 0.0:
+                cos_alpha = (dx * mx + dy * my + dz * mz) / distance
+                specular = min(math.pi * lobe(n, cos_alpha) * kernel, bound)
+                if kd <= 0.0 and specular <= 0.0:
+                    continue
+            out_vertex[count] = i
+            out_receiver[count] = r
+            diffuse = min(kernel, bound) if kd > 0.0 else 0.0
+            out_diffuse[count] = diffuse / (math.pi * cos_receiver)
+            out_specular[count] = specular / (math.pi * cos_receiver)
+            out_origins[count, 0], out_origins[count, 1], out_origins[count, 2] = ox, oy, oz
+            out_segments[count, 0] = (at[r, 0] + lift * at_normals[r, 0] - centre[0]) * scale - ox
+            out_segments[count, 1] = (at[r, 1] + lift * at_normals[r, 1] - centre[1]) * scale - oy
+            out_segments[count, 2] = (at[r, 2] + lift * at_normals[r, 2] - centre[2]) * scale - oz
+            count += 1
+    return count
+
+
+def _gather(
+    moments: FloatArray, receivers: Receivers, vertices: ChainVertices, pairs: _Pairs, clear: IntArray,
+    world: World,
+) -> None:
+    _add_pairs(
+        moments, clear, pairs.vertex, pairs.receiver, pairs.diffuse, pairs.specular,
+        vertices.points, vertices.flux, vertices.materials, world.reflectances,
+        receivers.points, receivers.normals,
+    )
+
+
+@njit(**_COMPILED)
+def _add_pairs(
+    moments, clear, vertex, receiver, diffuse, specular, points, flux, materials, reflectances, at, at_normals
+):
+    """Sum the unblocked pairs into the moments (r, 6, C), in order of vertices."""
+    for k in clear:
+        i, r = vertex[k], receiver[k]
+        m = materials[i]
+        wx, wy, wz = points[i, 0] - at[r, 0], points[i, 1] - at[r, 1], points[i, 2] - at[r, 2]
+        shorten = 1.0 / math.sqrt(wx * wx + wy * wy + wz * wz)
+        wx, wy, wz = wx * shorten, wy * shorten, wz * shorten
+        cos_theta = wx * at_normals[r, 0] + wy * at_normals[r, 1] + wz * at_normals[r, 2]
+        for c in range(moments.shape[2]):
+            reflected = reflectances.diffuse[m, c] * diffuse[k] + reflectances.specular[m, c] * specular[k]
+            add_arrival(moments[r], c, wx, wy, wz, cos_theta, flux[i, c] * reflected)
+
+
+def _arrivals(
+    receivers: Receivers, vertices: ChainVertices, pairs: _Pairs, clear: IntArray, world: World
+) -> Arrivals:
+    """List the unblocked pairs at receivers that keep angular detail."""
+    wanted = clear[receivers.degrees[pairs.receiver[clear]] > 0]
+    vertex, receiver = pairs.vertex[wanted], pairs.receiver[wanted]
+    toward = vertices.points[vertex] - receivers.points[receiver]
+    toward /= np.linalg.norm(toward, axis=1, keepdims=True)
+    material = vertices.materials[vertex]
+    reflected = (
+        world.reflectances.diffuse[material] * pairs.diffuse[wanted, None]
+        + world.reflectances.specular[material] * pairs.specular[wanted, None]
+    )
+    return Arrivals(receiver, toward, vertices.flux[vertex] * reflected)

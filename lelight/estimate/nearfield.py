@@ -1,0 +1,167 @@
+"""The near field: what the bounded kernel of the chains leaves out, gathered from the receiver's side.
+
+Rays leave the receiver (cosine-distributed on a surface, uniformly in space); where they meet a surface so near
+that the kernel exceeds its bound, paths bring the rest of what that surface reflects. In open space almost no
+ray meets anything that near, and a ray is all it costs. With the bound at zero this is plain path tracing.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+from numba import njit
+
+from lelight.chains import hash_of
+from lelight.estimate.local import Arrivals
+from lelight.estimate.moments import add_arrivals
+from lelight.estimate.paths import (
+    NUMBERS,
+    Paths,
+    chosen_paths,
+    list_near,
+    meet,
+    reflected_radiance,
+    rotated_numbers,
+)
+from lelight.receivers import MOMENTS, Receivers
+from lelight.sampling import cosine_direction, sobol, sphere_direction, to_axis
+from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.world import World
+
+_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
+
+
+class SurfaceLuminance(Protocol):
+    """A field that can say what a surface sends out, the same in every direction."""
+
+    def luminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
+        """Luminance (k, C) in cd/m² of points (k, 3) on sides of triangles (k,)."""
+
+
+def near_field(
+    world: World,
+    receivers: Receivers,
+    *,
+    bound: float,
+    log2_samples: int,
+    seed: tuple[int, ...],
+    base: SurfaceLuminance | None = None,
+) -> tuple[FloatArray, tuple[Arrivals, ...], int]:
+    """Light of near surfaces beyond the bounded kernel.
+
+    Parameters
+    ----------
+    bound : float, 1/m², b of the split; inf leaves only the base
+    base : a field to gather where the kernel is bounded; the chains then carry what it lacks
+    log2_samples : int; rays a receiver, as power of two
+
+    Returns
+    -------
+    moments : (r, 6, C) float
+    arrivals : single rays, only where receivers keep angular detail
+    rays : int
+    """
+    key = hash_of(seed)
+    table = sobol(2 + NUMBERS, log2_count=log2_samples, seed=seed)
+    receiver, sample = np.divmod(np.arange(len(receivers) * len(table)), len(table))
+    numbers = np.empty((len(receiver), 2 + NUMBERS))
+    rotated_numbers(table, key, receivers.identity, numbers)
+    directions, factor = _directions(receivers, numbers, len(table))
+    paths = _first_surfaces(world, receivers, receiver, directions)
+    near = np.flatnonzero(list_near(world.reflectances, paths.materials, paths.geometry, bound))
+    gathered, paths = paths, chosen_paths(paths, near)
+    radiance, rays = reflected_radiance(
+        world,
+        paths,
+        bound=bound,
+        numbers=numbers[paths.number, 2:],
+        identity=receivers.identity[receiver] * len(table) + sample,
+        key=hash_of((*seed, 1)),
+    )
+    if base is not None:
+        radiance[gathered.number] += _bounded_base(world, base, gathered, bound)
+    lit = np.flatnonzero(radiance.any(axis=1))
+    arrivals = Arrivals(
+        lit // len(table), directions[lit], radiance[lit] * factor[lit, None] / len(table)
+    )
+    moments = np.zeros((len(receivers), MOMENTS, world.channels))
+    add_arrivals(
+        moments, arrivals.receiver, arrivals.directions, receivers.normals, arrivals.radiance_solid_angle
+    )
+    return moments, _with_detail(receivers, arrivals), rays + len(receiver)
+
+
+def hemisphere_rays(
+    world: World, receivers: Receivers, *, log2_samples: int, seed: tuple[int, ...]
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Cosine-distributed rays from surface receivers: origins, directions (k, 3) and receiver (k,)."""
+    table = sobol(2, log2_count=log2_samples, seed=seed)
+    numbers = np.empty((len(receivers) * len(table), 2))
+    rotated_numbers(table, hash_of(seed), receivers.identity, numbers)
+    directions, _ = _directions(receivers, numbers, len(table))
+    receiver = np.repeat(np.arange(len(receivers)), len(table))
+    return world.caster.leave(receivers.points, receivers.normals)[receiver], directions, receiver
+
+
+def _with_detail(receivers: Receivers, arrivals: Arrivals) -> tuple[Arrivals, ...]:
+    """Keep the arrivals at receivers that want angular detail."""
+    wanted = receivers.degrees[arrivals.receiver] > 0
+    if not wanted.any():
+        return ()
+    return (
+        Arrivals(
+            arrivals.receiver[wanted], arrivals.directions[wanted], arrivals.radiance_solid_angle[wanted]
+        ),
+    )
+
+
+def _directions(receivers: Receivers, numbers: FloatArray, samples: int) -> tuple[FloatArray, FloatArray]:
+    """First directions (k, 3) and the solid angle (k,) in sr that each stands for, one over its density."""
+    directions = np.empty((len(numbers), 3))
+    solid_angles = np.empty(len(numbers))
+    _draw_directions(receivers.normals, receivers.on_surface, numbers, samples, directions, solid_angles)
+    return directions, solid_angles
+
+
+@njit(**_COMPILED)
+def _draw_directions(normals, on_surface, numbers, samples, directions, solid_angles):
+    for k in range(len(numbers)):
+        r = k // samples
+        u, v = numbers[k, 0], numbers[k, 1]
+        if on_surface[r]:
+            x, y, z = cosine_direction(u, v)
+            directions[k] = to_axis(x, y, z, normals[r, 0], normals[r, 1], normals[r, 2])
+            solid_angles[k] = math.pi / max(z, 1e-12)
+        else:
+            directions[k] = sphere_direction(u, v)
+            solid_angles[k] = 4.0 * math.pi
+
+
+def _first_surfaces(
+    world: World, receivers: Receivers, receiver: IntArray, directions: FloatArray
+) -> Paths:
+    """Surfaces that the first rays meet, with the kernel G to them."""
+    lift = np.where(receivers.on_surface, world.caster.offset, 0.0)[:, None] * receivers.normals
+    origins = (receivers.points + lift)[receiver]
+    number = np.arange(len(receiver))
+    paths, kept = meet(world, number, origins, directions, np.ones((len(receiver), world.channels)))
+    return replace(paths, geometry=_geometry(receivers, receiver[kept], directions[kept], paths))
+
+
+def _bounded_base(world: World, base: SurfaceLuminance, paths: Paths, bound: float) -> FloatArray:
+    """The base's luminance (k, C) times the share of the kernel below the bound, min(1, b/G)."""
+    front = np.einsum("kx,kx->k", paths.normals, world.normals[paths.triangles]) > 0
+    luminance = base.luminance_at(paths.triangles, paths.points, front)
+    return luminance * np.minimum(1.0, bound / np.maximum(paths.geometry, 1e-300))[:, None]
+
+
+def _geometry(receivers: Receivers, receiver: IntArray, directions: FloatArray, paths: Paths) -> FloatArray:
+    """G = cos cos' / r² (k,) in 1/m²; without the receiver's cosine in space."""
+    square = np.sum((paths.points - receivers.points[receiver]) ** 2, axis=1)
+    cos_surface = np.einsum("kx,kx->k", paths.outgoing, paths.normals)
+    cos_receiver = np.einsum("kx,kx->k", directions, receivers.normals[receiver])
+    cos_receiver = np.where(receivers.on_surface[receiver], cos_receiver, 1.0)
+    return np.asarray(cos_surface * cos_receiver / np.maximum(square, 1e-300))

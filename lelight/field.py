@@ -1,0 +1,235 @@
+"""The radiance field: what every surface of the scene looks like from every side.
+
+It holds, for each node, illuminance with its standard error and the reflected radiance in spherical harmonics;
+between nodes it interpolates. Emission and the images of emitters in glossy surfaces are added exactly when a
+direction is evaluated.
+"""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from lelight.channels import luminance_weighted
+from lelight.estimate.paths import Paths, meet
+from lelight.fieldfile import read_field, write_field
+from lelight.harmonics.frames import to_local
+from lelight.harmonics.indices import degree_of
+from lelight.harmonics.projection import synthesise_at
+from lelight.highlights import highlights, only_specular
+from lelight.locate import Locator
+from lelight.nodes import NodeMesh
+from lelight.patches import patches
+from lelight.plan import stored_degree
+from lelight.results import NodeValues
+from lelight.scene import FloatArray, IntArray, Scene
+from lelight.world import World, build_world
+
+#: Rays evaluated at once by one thread.
+CHUNK = 1 << 15
+#: Draws for the image of the emitters in a glossy surface, as power of two.
+LOG2_HIGHLIGHTS = 4
+#: Mirrors behind mirrors that are followed.
+DEEPEST_MIRROR = 4
+
+
+@dataclass(frozen=True)
+class RadianceField:
+    """Reflected light on the nodes of a mesh, to be evaluated anywhere.
+
+    Attributes
+    ----------
+    scene : what was lit
+    mesh, values : the nodes, and the light at them
+    labels : (n_t,) int, patch of each triangle of the scene
+    world : the traced scene
+    """
+
+    scene: Scene
+    mesh: NodeMesh
+    values: NodeValues
+    labels: IntArray
+    world: World
+
+    @property
+    def illuminance(self) -> FloatArray:
+        """(n,) float, lx at the nodes, luminance-weighted."""
+        return luminance_weighted(self.values.illuminance)
+
+    @property
+    def std_error(self) -> FloatArray:
+        """(n,) float, lx: one standard error of `illuminance`."""
+        return self.values.std_error
+
+    @property
+    def exitance(self) -> FloatArray:
+        """(n, C) float, lm/m²: reflected and emitted, without what the Phong lobe sends below the horizon."""
+        reflectances = self.world.reflectances
+        albedo = reflectances.diffuse[self.mesh.materials] + reflectances.specular[self.mesh.materials]
+        return albedo * self.values.illuminance + math.pi * self._emission
+
+    @property
+    def luminance_along_normal(self) -> FloatArray:
+        """(n, C) float, cd/m² of each node seen along its normal, without highlights of emitters."""
+        up = np.zeros((len(self.mesh), 1, 3))
+        up[..., 2] = 1.0
+        nodes = np.arange(len(self.mesh))[:, None]
+        degree = degree_of(self.values.radiance_sh.shape[1])
+        reflected = synthesise_at(self.values.radiance_sh, degree, nodes, np.ones((len(nodes), 1)), up)
+        return np.asarray(reflected) + self._emission
+
+    @property
+    def _emission(self) -> FloatArray:
+        luminance = np.zeros((len(self.scene.materials), self.world.channels))
+        emitters = self.world.emitters
+        source_materials = self.world.materials[np.flatnonzero(emitters.of_triangle >= 0)]
+        luminance[source_materials] = emitters.luminance
+        both = np.array([m.emission_sides == "both" for m in self.scene.materials])
+        shines = both[self.mesh.materials] | (self.mesh.sides > 0)
+        return luminance[self.mesh.materials] * shines[:, None]
+
+    def radiance(self, points: FloatArray, directions: FloatArray) -> FloatArray:
+        """Radiance L(r, l) of light that passes a point in a direction, emission included.
+
+        On a surface that is what the surface sends out; in space it is what the surface sends that lies behind
+        the point (the double local estimation of the method's paper).
+
+        Parameters
+        ----------
+        points : (k, 3) float, m, scene axes
+        directions : (k, 3) float; where the light travels to, away from the surface
+
+        Returns
+        -------
+        (k, C) float, cd/m²
+        """
+        directions = _unit(np.asarray(directions, dtype=np.float64))
+        points = np.asarray(points, dtype=np.float64)
+        lift = 4.0 * self.world.caster.offset
+        return self.seen(points + lift * directions, -directions)
+
+    def seen(self, origins: FloatArray, directions: FloatArray, *, executor: Executor | None = None) -> FloatArray:
+        """Radiance (k, C) in cd/m² seen from places (k, 3), m, along unit directions (k, 3)."""
+        if executor is None:
+            with ThreadPoolExecutor(max_workers=1) as own:
+                return self.seen(origins, directions, executor=own)
+        starts = range(0, len(origins), CHUNK)
+        parts = executor.map(
+            lambda first: self._seen_chunk(origins, directions, slice(first, first + CHUNK), first), starts
+        )
+        return np.concatenate([np.zeros((0, self.world.channels)), *parts])
+
+    def _seen_chunk(
+        self, origins: FloatArray, directions: FloatArray, chunk: slice, first: int
+    ) -> FloatArray:
+        count = len(origins[chunk])
+        number = np.arange(count)
+        paths, _ = meet(
+            self.world, number, origins[chunk], directions[chunk], np.ones((count, self.world.channels))
+        )
+        radiance = np.zeros((count, self.world.channels))
+        radiance[paths.number] = self.emitted(paths) + self.reflected(paths, paths.number + first)
+        return radiance
+
+    def emitted(self, paths: Paths) -> FloatArray:
+        """Luminance (k, C) that the surfaces emit toward where the paths came from."""
+        emitters = self.world.emitters
+        source = emitters.of_triangle[paths.triangles]
+        front = np.einsum("kx,kx->k", paths.normals, self.world.normals[paths.triangles]) > 0
+        luminance = np.zeros((len(source), self.world.channels))
+        shining = source >= 0
+        shining[shining] &= front[shining] | emitters.both_sides[source[shining]]
+        luminance[shining] = emitters.luminance[source[shining]]
+        return luminance
+
+    def reflected(self, paths: Paths, identity: IntArray, *, depth: int = 0) -> FloatArray:
+        """Radiance (k, C) that surfaces reflect toward where the paths came from.
+
+        Parameters
+        ----------
+        identity : (k,) int, on which the random numbers of highlights depend
+        depth : int, mirrors already passed
+        """
+        radiance = self.stored(paths)
+        glossy = np.flatnonzero(self.world.reflectances.specular_share[paths.materials] > 0)
+        if len(glossy):
+            radiance[glossy] += self._mirrored(paths, glossy, identity, depth)
+        return radiance
+
+    def stored(self, paths: Paths) -> FloatArray:
+        """Radiance (k, C) interpolated from the nodes, without any image of an emitter."""
+        front = np.einsum("kx,kx->k", paths.normals, self.world.normals[paths.triangles]) > 0
+        sides = np.where(front, 1, -1)
+        nodes, weights = self._locator.find(paths.points, self.labels[paths.triangles], sides)
+        illuminance = np.einsum("kj,kjc->kc", weights, self.values.illuminance[nodes])
+        radiance = self.world.reflectances.diffuse[paths.materials] * illuminance / math.pi
+        detailed = np.flatnonzero(self._degrees[paths.materials] > 0)
+        if len(detailed):
+            radiance[detailed] = self._synthesised(paths.outgoing[detailed], nodes[detailed], weights[detailed])
+        return radiance
+
+    def _synthesised(self, outgoing: FloatArray, nodes: IntArray, weights: FloatArray) -> FloatArray:
+        local = to_local(outgoing[:, None, :], self.mesh.normals[nodes], self.mesh.frames_x[nodes])
+        degree = degree_of(self.values.radiance_sh.shape[1])
+        return np.asarray(
+            synthesise_at(self.values.radiance_sh, degree, nodes, weights, np.ascontiguousarray(local))
+        )
+
+    def _mirrored(self, paths: Paths, glossy: IntArray, identity: IntArray, depth: int) -> FloatArray:
+        """Images of emitters in lobes (g, C); where lobes are too sharp to store, of everything."""
+        images, met = highlights(
+            self._glossy_world,
+            points=paths.points[glossy],
+            normals=paths.normals[glossy],
+            outgoing=paths.outgoing[glossy],
+            materials=paths.materials[glossy],
+            identity=identity[glossy] * (DEEPEST_MIRROR + 1) + depth,
+            log2_samples=LOG2_HIGHLIGHTS if depth == 0 else 0,
+        )
+        sharp = self._degrees[paths.materials[glossy]] == 0
+        onward = np.flatnonzero(sharp[met.number])
+        if len(onward) and depth < DEEPEST_MIRROR:
+            behind = Paths(**{name: column[onward] for name, column in vars(met).items()})
+            seen = self.reflected(behind, identity[glossy][behind.number], depth=depth + 1)
+            np.add.at(images, behind.number, seen * behind.throughput)
+        return images
+
+    @cached_property
+    def _locator(self) -> Locator:
+        return Locator(self.mesh)
+
+    @cached_property
+    def _glossy_world(self) -> World:
+        return only_specular(self.world)
+
+    @cached_property
+    def _degrees(self) -> IntArray:
+        return np.array([stored_degree(m) for m in self.scene.materials], dtype=np.int64)
+
+    def save(self, path: str | Path, *, header: dict[str, object] | None = None) -> None:
+        """Write the field as ``field.vtp``, which `load` reads back."""
+        write_field(
+            Path(path),
+            self.mesh,
+            self.values,
+            exitance=self.exitance,
+            luminance=self.luminance_along_normal,
+            material_names=[m.name for m in self.scene.materials],
+            header=header or {},
+        )
+
+    @classmethod
+    def load(cls, path: str | Path, scene: Scene) -> RadianceField:
+        """Read a field that `save` wrote, for the scene it was computed for."""
+        mesh, values, _ = read_field(Path(path))
+        channels = values.illuminance.shape[1]
+        return cls(scene, mesh, values, patches(scene), build_world(scene, channels))
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))

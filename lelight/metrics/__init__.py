@@ -1,0 +1,6 @@
+"""Figures of merit, one publication a module, each figure with its error and its verdict.
+
+The way through: ``figure`` (value, error, verdict) → ``grid``, ``en12464`` (planes) → ``position``,
+``opening``, ``cie117`` (glare from known emitters) → ``brightspots``, ``picture`` (glare from pictures) →
+``glare`` (observers) → ``room`` → ``table``, where all figures meet.
+"""

@@ -1,0 +1,124 @@
+"""A short walk before the run: which sides of which patches light reaches, and which nodes are buried.
+
+Light reaches a place where a walk from it, that nothing absorbs, comes to see an emitter. Inside a closed piece
+of furniture no walk ever does; at the dark end of a corridor one soon will.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+
+import numpy as np
+
+from lelight.chains import emission_chains, hash_of
+from lelight.estimate.nearfield import hemisphere_rays
+from lelight.estimate.paths import Paths, chosen_paths, hashed_numbers, meet, shadow_rays
+from lelight.nodes import NodeMesh
+from lelight.receivers import Receivers, space_receivers, surface_receivers, with_surface
+from lelight.sampling import cosine_directions
+from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
+from lelight.world import World
+
+#: Chains of the pilot walk, as power of two.
+LOG2_PILOT_CHAINS = 13
+#: Places on each side that the pilot walk did not visit, from which walks are sent out.
+PLACES_PER_SIDE = 8
+#: Walks from a place or node, as power of two, and their longest.
+LOG2_WALKS = 4
+LONGEST_WALK = 64
+#: Receivers asked at once.
+CHUNK = 2048
+
+
+def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int) -> BoolArray:
+    """Say which sides of the patches receive light, (n_patches, 2): front, back.
+
+    Parameters
+    ----------
+    labels : (n_t,) int, patch of each traced triangle
+    """
+    lit = np.zeros((int(labels.max()) + 1, 2), dtype=np.bool_)
+    vertices = emission_chains(world, log2_chains=LOG2_PILOT_CHAINS, seed=(seed, 0))
+    lit[labels[vertices.triangles], np.where(vertices.front, 0, 1)] = True
+    patches, sides = np.nonzero(~lit)
+    if len(patches):
+        places, owner = _places(scene, labels, patches, sides, seed)
+        found = owner[reached_by_light(world, places, seed=(seed, 1))]
+        lit[patches[found], sides[found]] = True
+    return lit
+
+
+def buried(world: World, mesh: NodeMesh, *, seed: int, executor: Executor) -> BoolArray:
+    """Nodes (n,) that no light can reach: they lie where solids touch, or inside them."""
+    receivers = surface_receivers(mesh, np.zeros(int(mesh.materials.max(initial=0)) + 1, dtype=np.int64))
+    chunks = [slice(first, first + CHUNK) for first in range(0, len(mesh), CHUNK)]
+    reached = executor.map(
+        lambda chunk: reached_by_light(world, receivers[chunk], seed=(seed, 2)), chunks
+    )
+    return ~np.concatenate(list(reached))
+
+
+def reached_by_light(world: World, receivers: Receivers, *, seed: tuple[int, ...]) -> BoolArray:
+    """Say which surface receivers (r,) light can reach, by unabsorbed walks from them."""
+    reached = np.zeros(len(receivers), dtype=np.bool_)
+    origins, directions, owner = hemisphere_rays(world, receivers, log2_samples=LOG2_WALKS, seed=seed)
+    start = Paths.at(receivers.points, receivers.normals, channels=world.channels)
+    reached |= _sees_emitter(world, start, seed, receivers.identity)
+    identity = receivers.identity[owner] * 2**LOG2_WALKS + np.arange(len(owner)) % 2**LOG2_WALKS
+    walkers, kept = meet(world, np.arange(len(owner)), origins, directions, np.ones((len(owner), 1)))
+    for depth in range(LONGEST_WALK):
+        walkers = chosen_paths(walkers, np.flatnonzero(~reached[owner[walkers.number]]))
+        if not len(walkers.number):
+            break
+        own = identity[walkers.number]
+        bright = _shines_back(world, walkers) | _sees_emitter(world, walkers, (*seed, depth), own)
+        reached[owner[walkers.number[bright]]] = True
+        walkers = _onward(world, walkers, hashed_numbers(hash_of((*seed, 1)), own, depth))
+    return reached
+
+
+def _onward(world: World, walkers: Paths, numbers: FloatArray) -> Paths:
+    directions = cosine_directions(numbers[:, :2], walkers.normals)
+    origins = world.caster.leave(walkers.points, walkers.normals)
+    return meet(world, walkers.number, origins, directions, walkers.throughput)[0]
+
+
+def _sees_emitter(world: World, places: Paths, seed: tuple[int, ...], identity: IntArray) -> BoolArray:
+    """Say from which places (k,) a drawn point of an emitter is in sight."""
+    numbers = hashed_numbers(hash_of((*seed, 2)), identity, 0)
+    lit, origins, ends = shadow_rays(world, places, numbers)
+    seen = np.zeros(len(places.number), dtype=np.bool_)
+    seen[lit] = world.caster.visible(origins[lit], ends[lit])
+    return seen
+
+
+def _shines_back(world: World, walkers: Paths) -> BoolArray:
+    """Say which walkers stand on an emitter that shines toward where they came from."""
+    emitters = world.emitters
+    source = emitters.of_triangle[walkers.triangles]
+    front = np.einsum("kx,kx->k", walkers.normals, world.normals[walkers.triangles]) > 0
+    both = emitters.both_sides[np.maximum(source, 0)] if len(emitters.areas) else np.zeros_like(front)
+    return (source >= 0) & (front | both)
+
+
+def _places(
+    scene: Scene, labels: IntArray, patches: IntArray, sides: IntArray, seed: int
+) -> tuple[Receivers, IntArray]:
+    """Places drawn by area on the sides in question, and which of these (index into ``patches``) each is on."""
+    rng = np.random.default_rng((seed, PLACES_PER_SIDE))
+    order = np.argsort(labels, kind="stable")
+    reach = np.cumsum(triangle_areas(scene.corners)[order])
+    last = np.searchsorted(labels[order], patches, side="right") - 1
+    first = np.searchsorted(labels[order], patches, side="left")
+    below = np.where(first > 0, reach[first - 1], 0.0)
+    owner = np.repeat(np.arange(len(patches)), PLACES_PER_SIDE)
+    at = below[owner] + rng.random(len(owner)) * (reach[last] - below)[owner]
+    triangle = order[np.clip(np.searchsorted(reach, at), first[owner], last[owner])]
+    root, v = np.sqrt(rng.random(len(owner))), rng.random(len(owner))
+    weights = np.stack([1.0 - root, root * (1.0 - v), root * v], axis=1)
+    corners = scene.corners[triangle]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(cross, axis=1, keepdims=True)
+    normals = np.where(sides[owner] == 0, 1.0, -1.0)[:, None] * cross / np.maximum(length, 1e-300)
+    points = np.einsum("kc,kcx->kx", weights, corners)
+    return with_surface(space_receivers(points, normals)), owner

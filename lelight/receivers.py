@@ -1,0 +1,93 @@
+"""Receivers: every place where arriving light is estimated, be it a node, a grid point or an eye.
+
+On a surface only the hemisphere over the normal counts; in space the whole sphere does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lelight.nodes import NodeMesh
+from lelight.scene import BoolArray, FloatArray, IntArray
+
+#: Rows of the moments of arriving light: what they are and where they stand.
+ILLUMINANCE, SCALAR, VECTOR, CYLINDRICAL = 0, 1, 2, 5
+MOMENTS = 6
+
+
+@dataclass(frozen=True)
+class Receivers:
+    """r places with a normal each.
+
+    Attributes
+    ----------
+    points, normals : (r, 3) float, m and unit length
+    frames_x : (r, 3) float, unit, x axis of the local frame
+    on_surface : (r,) bool
+    degrees : (r,) int; degree of the spherical harmonics that are kept of arriving light, 0 for none
+    materials : (r,) int; -1 in space
+    identity : (r,) int; number in the whole run, on which the receiver's random numbers depend
+    clear_share : (r,) float; roughly how much of the emitters' light is not blocked, found beforehand
+    direct_doublings, near_doublings : (r,) int; how much more often, as power of two, a receiver samples direct
+        light and near field than a batch's effort says; found beforehand, negative for less
+    """
+
+    points: FloatArray
+    normals: FloatArray
+    frames_x: FloatArray
+    on_surface: BoolArray
+    degrees: IntArray
+    materials: IntArray
+    identity: IntArray
+    clear_share: FloatArray
+    direct_doublings: IntArray
+    near_doublings: IntArray
+
+    def __len__(self) -> int:
+        """Count receivers."""
+        return len(self.points)
+
+    def __getitem__(self, chosen: slice | IntArray | BoolArray) -> Receivers:
+        """Select some of them."""
+        return Receivers(**{name: column[chosen] for name, column in vars(self).items()})
+
+
+def surface_receivers(mesh: NodeMesh, material_degrees: IntArray) -> Receivers:
+    """Receivers at the nodes of a mesh; ``material_degrees`` (n_materials,) says what angular detail to keep."""
+    return replace(
+        with_surface(space_receivers(mesh.positions, mesh.normals)),
+        frames_x=mesh.frames_x,
+        degrees=material_degrees[mesh.materials],
+        materials=mesh.materials,
+    )
+
+
+def space_receivers(points: FloatArray, normals: FloatArray) -> Receivers:
+    """Receivers in free space; the normals (r, 3) say on which plane illuminance is measured."""
+    none = np.zeros(len(points), dtype=np.int64)
+    return Receivers(
+        points=points,
+        normals=normals,
+        frames_x=np.zeros_like(points),
+        on_surface=np.zeros(len(points), dtype=np.bool_),
+        degrees=none,
+        materials=none - 1,
+        identity=np.arange(len(points)),
+        clear_share=np.zeros(len(points)),
+        direct_doublings=none,
+        near_doublings=none,
+    )
+
+
+def with_surface(receivers: Receivers) -> Receivers:
+    """Take places for points of a surface: only what arrives over their normal counts."""
+    return replace(receivers, on_surface=np.ones(len(receivers), dtype=np.bool_))
+
+
+def joined(parts: list[Receivers]) -> Receivers:
+    """Put receivers one after the other and number them anew."""
+    columns = [vars(part) for part in parts]
+    together = {name: np.concatenate([c[name] for c in columns]) for name in columns[0]}
+    return Receivers(**together | {"identity": np.arange(len(together["points"]))})

@@ -1,0 +1,97 @@
+"""How a run is to be done: what the user asked for, and what stands in where nothing was asked."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any, Literal
+
+from lelight.plan import Method
+
+Preset = Literal["draft", "normal", "fine"]
+Estimator = Literal["base", "emitters"]
+
+
+@dataclass(frozen=True)
+class PresetValues:
+    """What a preset stands for.
+
+    Attributes
+    ----------
+    target : float, relative standard error (root mean square over the visible nodes by area)
+    edge_scale : float, edge length of the node mesh against the default of the scene's size
+    picture_size, picture_samples : int, pixels across an observer's picture and rays a pixel
+    """
+
+    target: float
+    edge_scale: float
+    picture_size: int
+    picture_samples: int
+
+
+PRESETS: dict[Preset, PresetValues] = {
+    "draft": PresetValues(target=0.05, edge_scale=1.5, picture_size=600, picture_samples=1),
+    "normal": PresetValues(target=0.02, edge_scale=1.0, picture_size=800, picture_samples=4),
+    "fine": PresetValues(target=0.01, edge_scale=0.7, picture_size=1000, picture_samples=9),
+}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The choices of a run.
+
+    Attributes
+    ----------
+    target : float or None; relative standard error to reach, None for the preset's
+    time : float or None; seconds for the estimate, after which it stops
+    method : how glossy nodes keep angular detail
+    edge : float or None; edge length of the node mesh in m, None for the scene's size and the preset
+    directions : int or None; directions of the hemisphere grid, only for method ``grid``
+    seed : int, of every random number
+    threads : int
+    batches : int or None; exactly so many batches instead of a target
+    estimator : ``base`` gathers a first field and lets chains carry what it lacks; ``emitters`` lets chains from
+        the emitters carry everything. Both are unbiased, their speed differs.
+    """
+
+    target: float | None = None
+    time: float | None = None
+    preset: Preset = "normal"
+    method: Method = "sh"
+    edge: float | None = None
+    directions: int | None = None
+    seed: int = 0
+    threads: int = 0
+    batches: int | None = None
+    estimator: Estimator = "base"
+
+    @property
+    def values(self) -> PresetValues:
+        """What the preset stands for."""
+        return PRESETS[self.preset]
+
+    @property
+    def target_error(self) -> float:
+        """Relative standard error to reach."""
+        return self.target if self.target is not None else self.values.target
+
+    @property
+    def workers(self) -> int:
+        """Threads to use; all that this process may run on where none were asked for."""
+        return self.threads or len(os.sched_getaffinity(0))
+
+    def over(self, table: Mapping[str, Any]) -> Settings:
+        """Take what is set here, and the scene file's ``[calc]`` table where it is not."""
+        default = Settings()
+        known = {f.name for f in fields(Settings)}
+        taken = {
+            key: value
+            for key, value in table.items()
+            if key in known and value is not None and getattr(self, key) == getattr(default, key)
+        }
+        return replace(self, **taken)
+
+    def as_table(self) -> dict[str, Any]:
+        """Plain mapping for files."""
+        return asdict(self)

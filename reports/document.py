@@ -1,0 +1,119 @@
+"""From content to PDF: the one place that knows Typst.
+
+Everything that comes from users is data: it reaches the templates as JSON, never as code.
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+import unicodedata
+import warnings
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import typst
+
+from lelight.errors import OutputError
+from lelight.files import whole
+
+PAPERS = ("a3", "a4", "us-letter", "us-legal")
+#: What Typst says where PDF/A forbids a letter that no font can draw.
+NO_GLYPH = "could not be displayed"
+#: Unicode categories without a shape, and bidirectional classes that override the direction of what follows.
+UNDRAWN = frozenset({"Cc", "Cn", "Cs"})
+TURNS = frozenset({"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"})
+
+
+class MissingGlyphWarning(UserWarning):
+    """A letter in a name is in no font of this machine: the report is plain PDF instead of PDF/A."""
+
+
+def write_document(
+    path: Path, *, template: str, content: Mapping[str, Any], figures: Mapping[str, bytes], date: str | None
+) -> Path:
+    """Set a report and write it, whole or not at all.
+
+    Parameters
+    ----------
+    template : name of the file in ``templates``
+    content : what the template prints; strings, lists and objects of strings, no numbers to format
+    figures : SVG by file name
+    date : ISO date and time of the run, which becomes the date of the PDF
+    """
+    if content["paper"] not in PAPERS:
+        raise ValueError(f"paper: {content['paper']!r} is none of {', '.join(PAPERS)}")
+    with tempfile.TemporaryDirectory(prefix="lelight-report-") as folder:
+        root = Path(folder)
+        _lay_out(root, content, figures)
+        pdf = _set(root / template, path, timestamp=timestamp_of(date))
+    with whole(path) as beside:
+        beside.write_bytes(pdf)
+    return path
+
+
+def timestamp_of(date: str | None) -> int:
+    """Seconds since 1970 of an ISO date; UTC where it names no zone, 0 where it is no date."""
+    try:
+        moment = datetime.fromisoformat(date or "")
+        return int((moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp())
+    except (ValueError, OverflowError, OSError):
+        return 0
+
+
+def printable(content: Any) -> Any:
+    """Replace by spaces what no font draws: control characters, lone surrogates, turns of direction."""
+    if isinstance(content, str):
+        return "".join(" " if _unprintable(letter) else letter for letter in content)
+    if isinstance(content, Mapping):
+        return {key: printable(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [printable(item) for item in content]
+    return content
+
+
+def _unprintable(letter: str) -> bool:
+    """Tell what has no shape, or would turn the letters that follow a name around."""
+    return unicodedata.category(letter) in UNDRAWN or unicodedata.bidirectional(letter) in TURNS
+
+
+def _lay_out(root: Path, content: Mapping[str, Any], figures: Mapping[str, bytes]) -> None:
+    """Put the templates, the content and the figures into one private folder, Typst's root."""
+    for template in files("lelight.reports").joinpath("templates").iterdir():
+        if template.name.endswith(".typ"):
+            (root / template.name).write_bytes(template.read_bytes())
+    text = json.dumps(printable(content), ensure_ascii=False, allow_nan=False)
+    (root / "content.json").write_text(text, encoding="utf-8")
+    for name, svg in figures.items():
+        (root / name).write_bytes(svg)
+
+
+def _set(main: Path, path: Path, *, timestamp: int) -> bytes:
+    """Compile as PDF/A with Typst's own fonts, else with the machine's, else as plain PDF."""
+    for system_fonts, archive in ((False, True), (True, True), (True, False)):
+        try:
+            pdf = _compile(main, system_fonts=system_fonts, archive=archive, timestamp=timestamp)
+        except typst.TypstError as error:
+            if NO_GLYPH not in error.message:
+                raise OutputError(f"{path}: cannot be set: {error.message}") from error
+            continue
+        if not archive:
+            warnings.warn(
+                f"{path}: no font here has every letter; not PDF/A", MissingGlyphWarning, stacklevel=4
+            )
+        return pdf
+    raise OutputError(f"{path}: cannot be set: no font can draw its letters")
+
+
+def _compile(main: Path, *, system_fonts: bool, archive: bool, timestamp: int) -> bytes:
+    pdf: bytes = typst.compile(
+        main,
+        root=main.parent,
+        font_paths=typst.Fonts(include_system_fonts=system_fonts),
+        pdf_standards=["a-2b"] if archive else [],
+        timestamp=timestamp,
+    )
+    return pdf

@@ -1,0 +1,97 @@
+"""A result folder as the reports see it: ``metrics.json`` and ``run.json``, and where the other files lie."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lelight.errors import OutputError
+from lelight.reports.reading import Reading, readings_of
+
+CALC = "`lelight calc SCENE -o OUT` writes it"
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A plane, an observer or the room, with the figures found for it.
+
+    Attributes
+    ----------
+    stem : name of its files, without folder and suffix
+    entry : its part of ``metrics.json`` as read, for what is not a figure (``grid``, ``sources``, ...)
+    """
+
+    name: str
+    stem: str
+    readings: tuple[Reading, ...]
+    entry: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class ResultFolder:
+    """What ``lelight calc`` left in ``path``."""
+
+    path: Path
+    run: Mapping[str, Any]
+    planes: tuple[Subject, ...]
+    observers: tuple[Subject, ...]
+    room: Subject
+
+    def file(self, *parts: str, remedy: str = CALC) -> Path:
+        """Path of a file that must be there; one line says which command makes it where it is not."""
+        path = self.path.joinpath(*parts)
+        if not path.is_file():
+            raise OutputError(f"{path}: missing; {remedy}")
+        return path
+
+
+def open_folder(path: Path) -> ResultFolder:
+    """Read the two JSON files of a result folder.
+
+    Raises
+    ------
+    OutputError
+        The folder or one of the files is missing or cannot be read as what it should be.
+    """
+    if not path.is_dir():
+        raise OutputError(f"{path}: no such result folder; `lelight calc SCENE -o {path}` makes it")
+    metrics = _json_object(path / "metrics.json")
+    return ResultFolder(
+        path=path,
+        run=_json_object(path / "run.json"),
+        planes=_subjects(path, metrics, "planes"),
+        observers=_subjects(path, metrics, "observers"),
+        room=_subject("Room", _object(path, metrics, "room")),
+    )
+
+
+def _json_object(path: Path) -> Mapping[str, Any]:
+    if not path.is_file():
+        raise OutputError(f"{path}: missing; {CALC}")
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise OutputError(f"{path}: not JSON ({error}); {CALC} anew") from error
+    if not isinstance(content, dict):
+        raise OutputError(f"{path}: found a {type(content).__name__} instead of an object; {CALC} anew")
+    return content
+
+
+def _object(path: Path, parent: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    child = parent.get(key, {})
+    if not isinstance(child, dict):
+        raise OutputError(f"{path / 'metrics.json'}: {key!r} is not an object; {CALC} anew")
+    return child
+
+
+def _subjects(path: Path, metrics: Mapping[str, Any], group: str) -> tuple[Subject, ...]:
+    entries = _object(path, metrics, group)
+    return tuple(_subject(name, _object(path, entries, name)) for name in entries)
+
+
+def _subject(name: str, entry: Mapping[str, Any]) -> Subject:
+    # The last part only: a name that looks like a path must not lead out of the folder.
+    return Subject(name, Path(str(entry.get("file", name))).name, readings_of(entry), entry)
