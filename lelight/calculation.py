@@ -149,7 +149,7 @@ def _prepare(scene: Scene, settings: Settings, executor: Executor) -> _Stage:
     surface = remesh(scene, labels, edge=edge)
     clock.lap("remesh")
     world = build_world(scene, plan.channels)
-    lit = lit_sides(scene, world, labels=labels, seed=settings.seed)
+    lit = lit_sides(scene, world, labels=labels, seed=settings.seed, executor=executor)
     mesh = node_mesh(surface, lit)
     if not len(mesh):
         raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
@@ -275,10 +275,12 @@ def _field(scene: Scene, stage: _Stage, replicates: Replicates, detail: AngularD
     nodes = slice(0, len(stage.mesh))
     direct = replicates.direct[nodes] / replicates.count
     total = direct + replicates.indirect[nodes] / replicates.count
+    # An unbiased estimate of almost nothing may come out below zero; light does not.
+    total[:, [ILLUMINANCE, SCALAR]] = np.maximum(total[:, [ILLUMINANCE, SCALAR]], 0.0)
     values = NodeValues(
         illuminance=total[:, ILLUMINANCE],
         std_error=replicates.std_error[nodes],
-        direct=direct[:, ILLUMINANCE],
+        direct=np.maximum(direct[:, ILLUMINANCE], 0.0),
         scalar_illuminance=total[:, SCALAR],
         light_vector=total[:, VECTOR : VECTOR + 3],
         sh_degree=stage.receivers.degrees[nodes],

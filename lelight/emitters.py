@@ -21,6 +21,9 @@ from lelight.triangles import (
     triangle_solid_angle,
 )
 
+#: Numbers in the sketch of a source.
+SKETCH = 10
+
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Up to this many sources the choice follows each one's geometry; beyond it, its power alone.
@@ -47,6 +50,8 @@ class Emitters(NamedTuple):
     power_cdf : (T + P,) float, cumulative share of power
     weights : (C,) float, luminance weights of the channels
     of_triangle : (n_t,) int, number of the source that a scene triangle is, or -1
+    sketch : (T + P, 10) float, what `rough_cdf` looks at: middle (3), normal (3), radius in m around the middle,
+        area over pi in m², power in lm, 1 where both sides emit; points have no normal, radius or area
     """
 
     corners: FloatArray
@@ -60,6 +65,7 @@ class Emitters(NamedTuple):
     power_cdf: FloatArray
     weights: FloatArray
     of_triangle: IntArray
+    sketch: FloatArray
 
     @property
     def flux(self) -> FloatArray:
@@ -95,9 +101,62 @@ def collect_emitters(scene: Scene, channels: FloatArray) -> Emitters:
         power_cdf=np.empty(0),
         weights=luminance_weights(count),
         of_triangle=of_triangle,
+        sketch=np.empty((0, SKETCH)),
     )
     power = unweighted.flux @ unweighted.weights
-    return unweighted._replace(power=power, power_cdf=np.cumsum(power) / power.sum())
+    whole = unweighted._replace(power=power, power_cdf=np.cumsum(power) / power.sum())
+    return whole._replace(sketch=_sketch(whole))
+
+
+def _sketch(emitters: Emitters) -> FloatArray:
+    """Boil each source down to ten numbers; see `Emitters`."""
+    triangles = len(emitters.areas)
+    sketch = np.zeros((len(emitters.power), SKETCH))
+    middle = emitters.corners.mean(axis=1)
+    sketch[:triangles, :3] = middle
+    sketch[:triangles, 3:6] = emitters.normals
+    sketch[:triangles, 6] = np.linalg.norm(emitters.corners - middle[:, None], axis=2).max(axis=1, initial=0.0)
+    sketch[:triangles, 7] = emitters.areas / math.pi
+    sketch[:triangles, 9] = emitters.both_sides
+    sketch[triangles:, :3] = emitters.positions
+    sketch[:, 8] = emitters.power
+    return sketch
+
+
+@njit(**_COMPILED)
+def rough_cdf(sketch, x, y, z, nx, ny, nz, scratch):
+    """Cumulative probabilities of the sources at a surface point, for paths, which draw once: cheap.
+
+    Returns
+    -------
+    bool : False where no source can light this place
+    """
+    total = 0.0
+    share = len(sketch) <= LOCAL_CHOICE_LIMIT
+    for s in range(len(sketch)):
+        if not share:
+            total += sketch[s, 8]
+            scratch[s] = total
+            continue
+        dx, dy, dz = sketch[s, 0] - x, sketch[s, 1] - y, sketch[s, 2] - z
+        rise = dx * nx + dy * ny + dz * nz
+        if rise + sketch[s, 6] > 0.0:
+            square = dx * dx + dy * dy + dz * dz
+            distance = math.sqrt(square)
+            cos_there = 1.0
+            if sketch[s, 7] > 0.0:
+                cos_there = -(dx * sketch[s, 3] + dy * sketch[s, 4] + dz * sketch[s, 5]) / distance
+                if sketch[s, 9] > 0.0:
+                    cos_there = abs(cos_there)
+            if cos_there > 0.0:
+                cos_here = max(rise / distance, LOW) if sketch[s, 7] > 0.0 else rise / distance
+                total += sketch[s, 8] * cos_there * cos_here / (square + sketch[s, 7])
+        scratch[s] = total
+    if not total > 0.0:
+        return False
+    for s in range(len(sketch)):
+        scratch[s] /= total
+    return True
 
 
 @njit(**_COMPILED)
@@ -143,7 +202,7 @@ def _rises(corners, x, y, z, nx, ny, nz):
 
 @njit(**_COMPILED)
 def choice_cdf(emitters, x, y, z, nx, ny, nz, on_surface, scratch):
-    """Cumulative probabilities of the sources at a place.
+    """Cumulative probabilities of the sources at a place, for receivers, which draw often: close to ideal.
 
     Parameters
     ----------

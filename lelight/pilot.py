@@ -24,13 +24,15 @@ LOG2_PILOT_CHAINS = 13
 #: Places on each side that the pilot walk did not visit, from which walks are sent out.
 PLACES_PER_SIDE = 8
 #: Walks from a place or node, as power of two, and their longest.
-LOG2_WALKS = 4
-LONGEST_WALK = 64
+LOG2_WALKS = 3
+LONGEST_WALK = 48
 #: Receivers asked at once.
 CHUNK = 2048
 
 
-def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int) -> BoolArray:
+def lit_sides(
+    scene: Scene, world: World, *, labels: IntArray, seed: int, executor: Executor
+) -> BoolArray:
     """Say which sides of the patches receive light, (n_patches, 2): front, back.
 
     Parameters
@@ -43,7 +45,7 @@ def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int) -> Boo
     patches, sides = np.nonzero(~lit)
     if len(patches):
         places, owner = _places(scene, labels, patches, sides, seed)
-        found = owner[reached_by_light(world, places, seed=(seed, 1))]
+        found = owner[_reached(world, places, (seed, 1), executor)]
         lit[patches[found], sides[found]] = True
     return lit
 
@@ -51,11 +53,14 @@ def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int) -> Boo
 def buried(world: World, mesh: NodeMesh, *, seed: int, executor: Executor) -> BoolArray:
     """Nodes (n,) that no light can reach: they lie where solids touch, or inside them."""
     receivers = surface_receivers(mesh, np.zeros(int(mesh.materials.max(initial=0)) + 1, dtype=np.int64))
-    chunks = [slice(first, first + CHUNK) for first in range(0, len(mesh), CHUNK)]
-    reached = executor.map(
-        lambda chunk: reached_by_light(world, receivers[chunk], seed=(seed, 2)), chunks
-    )
-    return ~np.concatenate(list(reached))
+    return ~_reached(world, receivers, (seed, 2), executor)
+
+
+def _reached(world: World, receivers: Receivers, seed: tuple[int, ...], executor: Executor) -> BoolArray:
+    """`reached_by_light` by as many threads as there are."""
+    chunks = [slice(first, first + CHUNK) for first in range(0, len(receivers), CHUNK)]
+    parts = executor.map(lambda chunk: reached_by_light(world, receivers[chunk], seed=seed), chunks)
+    return np.concatenate(list(parts))
 
 
 def reached_by_light(world: World, receivers: Receivers, *, seed: tuple[int, ...]) -> BoolArray:

@@ -25,7 +25,7 @@ from lelight.scene import FloatArray, IntArray
 from lelight.world import World
 
 #: Receivers in a block: enough for coherent rays, few enough for memory and for all threads to have work.
-BLOCK = 256
+BLOCK = 1024
 #: What tells the random numbers of a batch's parts from each other.
 CHAINS, DIRECT, NEAR = 1, 2, 3
 

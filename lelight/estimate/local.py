@@ -24,7 +24,7 @@ from lelight.world import World
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Vertices handled at once for one block of receivers; bounds memory, does not change results.
-VERTEX_CHUNK = 1024
+VERTEX_CHUNK = 256
 
 
 @dataclass(frozen=True)

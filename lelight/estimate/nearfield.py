@@ -1,6 +1,6 @@
 """The near field: what the bounded kernel of the chains leaves out, gathered from the receiver's side.
 
-Rays leave the receiver (cosine-distributed on a surface, uniformly in space); where they meet a surface so near
+Rays leave the receiver (cosine-distributed on a surface; in space half of them so, half uniformly); where they meet a surface so near
 that the kernel exceeds its bound, paths bring the rest of what that surface reflects. In open space almost no
 ray meets anything that near, and a ray is all it costs. With the bound at zero this is plain path tracing.
 """
@@ -131,13 +131,17 @@ def _draw_directions(normals, on_surface, numbers, samples, directions, solid_an
     for k in range(len(numbers)):
         r = k // samples
         u, v = numbers[k, 0], numbers[k, 1]
-        if on_surface[r]:
-            x, y, z = cosine_direction(u, v)
-            directions[k] = to_axis(x, y, z, normals[r, 0], normals[r, 1], normals[r, 2])
-            solid_angles[k] = math.pi / max(z, 1e-12)
+        if on_surface[r] or u < 0.5:
+            x, y, z = cosine_direction(u if on_surface[r] else 2.0 * u, v)
+            d = to_axis(x, y, z, normals[r, 0], normals[r, 1], normals[r, 2])
         else:
-            directions[k] = sphere_direction(u, v)
-            solid_angles[k] = 4.0 * math.pi
+            d = sphere_direction(2.0 * u - 1.0, v)
+        directions[k] = d
+        cos_theta = d[0] * normals[r, 0] + d[1] * normals[r, 1] + d[2] * normals[r, 2]
+        density = max(cos_theta, 1e-12 if on_surface[r] else 0.0) / math.pi
+        if not on_surface[r]:
+            density = 0.5 * density + 0.125 / math.pi
+        solid_angles[k] = 1.0 / density
 
 
 def _first_surfaces(

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from lelight.emitters import choice_cdf, chosen, drawn_density, shines, source_strength, toward
+from lelight.emitters import chosen, drawn_density, rough_cdf, shines, source_strength, toward
 from lelight.reflection import lobe, lobe_density
 from lelight.sampling import cosine_direction, lobe_direction, mirrored, mix, rotated, to_axis, uniform
 from lelight.scene import FloatArray, IntArray
@@ -229,7 +229,7 @@ def _draw_shadow_rays(emitters, points, normals, numbers, offset, found, origins
     for k in range(len(points)):
         x, y, z = points[k]
         nx, ny, nz = normals[k]
-        if not choice_cdf(emitters, x, y, z, nx, ny, nz, True, cdf):
+        if not rough_cdf(emitters.sketch, x, y, z, nx, ny, nz, cdf):
             continue
         source, _ = chosen(cdf, numbers[k, 0])
         d, distance, factor, _ = toward(emitters, source, x, y, z, numbers[k, 1], numbers[k, 2])
@@ -256,7 +256,7 @@ def _draw_sources(
             continue
         x, y, z = points[k]
         nx, ny, nz = normals[k]
-        if not choice_cdf(emitters, x, y, z, nx, ny, nz, True, cdf):
+        if not rough_cdf(emitters.sketch, x, y, z, nx, ny, nz, cdf):
             continue
         source, share = chosen(cdf, numbers[k, 0])
         d, distance, factor, density = toward(emitters, source, x, y, z, numbers[k, 1], numbers[k, 2])
@@ -366,7 +366,7 @@ def _weigh_met_emitters(
             continue
         x, y, z = points[k]
         drawn = 0.0
-        if choice_cdf(emitters, x, y, z, normals[k, 0], normals[k, 1], normals[k, 2], True, cdf):
+        if rough_cdf(emitters.sketch, x, y, z, normals[k, 0], normals[k, 1], normals[k, 2], cdf):
             drawn = drawn_density(emitters, cdf, source, x, y, z, d)
         weight = density[k] / (density[k] + drawn)
         for c in range(radiance.shape[1]):
