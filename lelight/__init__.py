@@ -2,9 +2,10 @@
 
 The route through the code, each stop one module:
 
-scene (`scene`, read by `loading`) → plan (`plan`) → node mesh (`patches`, `remesh`, `nodes`) → light chains
-(`chains`) → local estimation at the nodes (`estimate.local`, with `estimate.nearfield` and `estimate.direct`;
-`estimate.batch` puts them together) → radiance field (`field`). `calculation.calculate` walks it.
+scene (`scene`, read by `reading`) → plan (`plan`) → node mesh (`mesh.patches`, `mesh.remesh`, `mesh.nodes`) → light
+chains (`tracing.chains`, `estimate.defect`) → local estimation at the nodes (`estimate.local`, with
+`estimate.nearfield` and `estimate.direct`; `estimate.batch` puts them together) → radiance field (`field`).
+`calculation.calculate` walks it.
 """
 
 from __future__ import annotations
@@ -15,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from lelight.calculation import calc as calc
     from lelight.field import RadianceField as RadianceField
-    from lelight.loading import load as load
+    from lelight.reading.loading import load as load
 
 __version__ = "0.1.0"
 
 _HOMES = {
-    "load": "lelight.loading",
+    "load": "lelight.reading.loading",
     "calc": "lelight.calculation",
     "RadianceField": "lelight.field",
     "Settings": "lelight.settings",

@@ -18,10 +18,10 @@ from lelight.estimate.effort import choose_effort
 from lelight.estimate.replicates import LEAST_BATCHES, ErrorReached, Replicates, error_reached, visible_areas
 from lelight.field import RadianceField
 from lelight.harmonics.hemigrid import HemisphereGrid
-from lelight.loading import require_light
+from lelight.reading.loading import require_light
 from lelight.metrics.grid import grid_points
-from lelight.nodes import NodeMesh, hide, node_mesh
-from lelight.patches import patches
+from lelight.mesh.nodes import NodeMesh, hide, node_mesh
+from lelight.mesh.patches import patches
 from lelight.pilot import buried, lit_sides
 from lelight.plan import Decision, Plan, make_plan
 from lelight.receivers import (
@@ -34,11 +34,11 @@ from lelight.receivers import (
     space_receivers,
     surface_receivers,
 )
-from lelight.remesh import default_edge, remesh
+from lelight.mesh.remesh import default_edge, remesh
 from lelight.results import NodeValues, ObserverValues, PlaneValues
 from lelight.scene import FloatArray, IntArray, Scene
 from lelight.settings import Settings
-from lelight.world import World, build_world
+from lelight.tracing.world import World, build_world
 
 #: What follows a run: called after every batch.
 Progress = Callable[["Standing"], None]

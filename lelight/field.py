@@ -17,18 +17,18 @@ import numpy as np
 
 from lelight.channels import luminance_weighted
 from lelight.estimate.paths import Paths, meet
-from lelight.fieldfile import read_field, write_field
+from lelight.writing.fieldfile import read_field, write_field
 from lelight.harmonics.frames import to_local
 from lelight.harmonics.indices import degree_of
 from lelight.harmonics.projection import synthesise_at
 from lelight.highlights import highlights, only_specular
-from lelight.locate import Locator
-from lelight.nodes import NodeMesh
-from lelight.patches import patches
+from lelight.mesh.locate import Locator
+from lelight.mesh.nodes import NodeMesh
+from lelight.mesh.patches import patches
 from lelight.plan import stored_degree
 from lelight.results import NodeValues
 from lelight.scene import FloatArray, IntArray, Scene
-from lelight.world import World, build_world
+from lelight.tracing.world import World, build_world
 
 #: Rays evaluated at once by one thread.
 CHUNK = 1 << 15

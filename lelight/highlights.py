@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from lelight.chains import hash_of
+from lelight.tracing.chains import hash_of
 from lelight.estimate.paths import NUMBERS, Paths, rotated_numbers, step
-from lelight.sampling import sobol
+from lelight.tracing.sampling import sobol
 from lelight.scene import FloatArray, IntArray
-from lelight.world import World
+from lelight.tracing.world import World
 
 
 def only_specular(world: World) -> World:

@@ -10,14 +10,14 @@ from concurrent.futures import Executor
 
 import numpy as np
 
-from lelight.chains import emission_chains, hash_of
+from lelight.tracing.chains import emission_chains, hash_of
 from lelight.estimate.nearfield import hemisphere_rays
 from lelight.estimate.paths import Paths, chosen_paths, hashed_numbers, meet, shadow_rays
-from lelight.nodes import NodeMesh
+from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import Receivers, space_receivers, surface_receivers, with_surface
-from lelight.sampling import cosine_directions
+from lelight.tracing.sampling import cosine_directions
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
-from lelight.world import World
+from lelight.tracing.world import World
 
 #: Chains of the pilot walk, as power of two.
 LOG2_PILOT_CHAINS = 13

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lelight.nodes import NodeMesh
+from lelight.mesh.nodes import NodeMesh
 from lelight.scene import BoolArray, FloatArray, IntArray
 
 #: Rows of the moments of arriving light: what they are and where they stand.

@@ -18,7 +18,7 @@ from typing import Any
 import typst
 
 from lelight.errors import OutputError
-from lelight.files import whole
+from lelight.writing.files import whole
 
 PAPERS = ("a3", "a4", "us-letter", "us-legal")
 #: What Typst says where PDF/A forbids a letter that no font can draw.

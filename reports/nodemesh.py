@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from lelight.errors import OutputError
-from lelight.polydata import read_polydata
+from lelight.writing.polydata import read_polydata
 from lelight.reports.folder import CALC
 from lelight.scene import BoolArray, FloatArray, IntArray
 

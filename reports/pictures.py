@@ -9,7 +9,7 @@ import numpy as np
 
 from lelight.camera import Fisheye
 from lelight.errors import OutputError
-from lelight.pictures import read_exr
+from lelight.writing.pictures import read_exr
 from lelight.scene import BoolArray, FloatArray
 
 RENDER = "`lelight render OUT` writes it"

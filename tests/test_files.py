@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lelight.errors import OutputError
-from lelight.files import NAME_BYTES, make_folder, safe_name, safe_names, whole, write_text
+from lelight.writing.files import NAME_BYTES, make_folder, safe_name, safe_names, whole, write_text
 
 
 def test_a_file_appears_under_its_name_and_nothing_else_stays(tmp_path):

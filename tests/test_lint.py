@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from lelight.lint import Finding, lint, material_table
+from lelight.reading.lint import Finding, lint, material_table
 from lelight.scene import FloatArray, IntArray, Material, Scene
 
 WALL = Material("wall", np.full(3, 0.5))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from lelight.errors import InputError, LelightError, SceneError
-from lelight.loading import load
+from lelight.reading.loading import load
 from lelight.scene import Material, Scene, triangle_areas
 
 #: A 2 x 3 floor in the plane z = 0 and a 1 x 1 lamp at z = 4.

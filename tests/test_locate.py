@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapes import box, circle, fan, icosphere, l_prism, placed, scene_of, strip
 
-from lelight.locate import Locator, interpolate
-from lelight.nearest import TriangleGrid
-from lelight.nodes import hide, node_mesh
-from lelight.patches import patches
-from lelight.remesh import remesh
+from lelight.mesh.locate import Locator, interpolate
+from lelight.mesh.nearest import TriangleGrid
+from lelight.mesh.nodes import hide, node_mesh
+from lelight.mesh.patches import patches
+from lelight.mesh.remesh import remesh
 from lelight.scene import triangle_areas
 
 SHAPES = {

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lelight.errors import InputError
-from lelight.mtl import MtlLibrary, read_mtl
+from lelight.reading.mtl import MtlLibrary, read_mtl
 
 
 def read(folder: Path, contents: bytes) -> MtlLibrary:

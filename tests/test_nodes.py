@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapes import box, circle, fan, icosphere, l_prism, placed, scene_of, strip
 
-from lelight.edges import directed_edges, on_border
-from lelight.insets import inset_positions
-from lelight.nodes import INSET, frames_x, hide, node_mesh
-from lelight.patches import patches
-from lelight.remesh import remesh
+from lelight.mesh.edges import directed_edges, on_border
+from lelight.mesh.insets import inset_positions
+from lelight.mesh.nodes import INSET, frames_x, hide, node_mesh
+from lelight.mesh.patches import patches
+from lelight.mesh.remesh import remesh
 from lelight.scene import triangle_areas, triangle_normals
 
 SHAPES = {

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lelight.errors import InputError
-from lelight.obj import ObjGeometry, read_obj
-from lelight.polygons import ear_clipping
+from lelight.reading.obj import ObjGeometry, read_obj
+from lelight.reading.polygons import ear_clipping
 from lelight.scene import triangle_areas
 
 SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapes import box, circle, fan, icosphere, l_prism, placed, scene_of, soup, strip
 
-from lelight.patches import patches, weld
+from lelight.mesh.patches import patches, weld
 
 QUAD = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
 FACES = np.array([[0, 1, 2], [0, 2, 3]])

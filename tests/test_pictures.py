@@ -13,9 +13,9 @@ import pytest
 
 from lelight.camera import Fisheye, as_picture
 from lelight.errors import OutputError
-from lelight.falsecolour import decade_limits, scale_ticks, write_falsecolour
-from lelight.pictures import read_exr, write_exr
-from lelight.radiancehdr import scanlines, shared_exponent, write_hdr
+from lelight.writing.falsecolour import decade_limits, scale_ticks, write_falsecolour
+from lelight.writing.pictures import read_exr, write_exr
+from lelight.writing.radiancehdr import scanlines, shared_exponent, write_hdr
 
 VIEW = "-vta -vp 0 0 1.2 -vd 1 0 0 -vu 0 0 1 -vh 180 -vv 180"
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from shapes import box, circle, fan, icosphere, l_prism, placed, scene_of, soup, strip
 
-import lelight.remesh
-from lelight.bisection import bisect
-from lelight.loading import load
-from lelight.patches import patches
-from lelight.pieces import triangle_quality
-from lelight.remesh import FAITHFUL, default_edge, remesh
+import lelight.mesh.remesh
+from lelight.mesh.bisection import bisect
+from lelight.reading.loading import load
+from lelight.mesh.patches import patches
+from lelight.mesh.pieces import triangle_quality
+from lelight.mesh.remesh import FAITHFUL, default_edge, remesh
 from lelight.scene import triangle_areas, triangle_normals
 
 SCENES = sorted((Path(__file__).parent.parent / "scenes").glob("*.toml"))
@@ -145,7 +145,7 @@ def test_a_rectangle_is_a_grid_of_the_fewest_cells_however_it_is_triangulated(ed
 
 def test_where_pymeshlab_fails_the_original_triangles_are_bisected(monkeypatch):
     nothing = np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
-    monkeypatch.setattr(lelight.remesh, "_run_pymeshlab", lambda *_: nothing)
+    monkeypatch.setattr(lelight.mesh.remesh, "_run_pymeshlab", lambda *_: nothing)
     scene = scene_of(fan(circle(64)))
     surface = remesh(scene, patches(scene), edge=0.1)
     corners = surface.vertices[surface.triangles]
@@ -155,7 +155,7 @@ def test_where_pymeshlab_fails_the_original_triangles_are_bisected(monkeypatch):
 
 def test_a_mesh_that_loses_area_is_not_taken(monkeypatch):
     lost = np.array([[0, 0, 0], [0.5, 0, 0], [0, 0.5, 0]]), np.array([[0, 1, 2]])
-    monkeypatch.setattr(lelight.remesh, "_run_pymeshlab", lambda *_: lost)
+    monkeypatch.setattr(lelight.mesh.remesh, "_run_pymeshlab", lambda *_: lost)
     scene = scene_of(fan(circle(64)))
     labels = patches(scene)
     assert_faithful(scene, remesh(scene, labels, edge=0.1), labels)

@@ -15,9 +15,9 @@ import pytest
 
 from lelight.camera import Fisheye
 from lelight.errors import OutputError
-from lelight.files import safe_names
-from lelight.pictures import write_exr
-from lelight.polydata import PolyData, write_polydata
+from lelight.writing.files import safe_names
+from lelight.writing.pictures import write_exr
+from lelight.writing.polydata import PolyData, write_polydata
 from lelight.reports.folder import open_folder
 from lelight.reports.nodemesh import read_lit_mesh
 from lelight.reports.pictures import read_picture

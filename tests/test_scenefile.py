@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from lelight.errors import InputError
-from lelight.quantities import relative_error, seconds
-from lelight.scenefile import read_scene_file
-from lelight.scenetables import SceneTables
+from lelight.reading.quantities import relative_error, seconds
+from lelight.reading.scenefile import read_scene_file
+from lelight.reading.scenetables import SceneTables
 
 EVERYTHING = """
 geometry = "office.obj"

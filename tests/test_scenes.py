@@ -13,8 +13,8 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from lelight.loading import load
-from lelight.rays import RayCaster
+from lelight.reading.loading import load
+from lelight.tracing.rays import RayCaster
 from lelight.scene import LUMINANCE_WEIGHTS, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
 
 SCENES = Path(__file__).parents[1] / "scenes"

@@ -9,11 +9,11 @@ import OpenImageIO
 import pytest
 from matplotlib import colormaps
 
-from lelight import views
-from lelight.nodes import NodeMesh
+from lelight.writing import views
+from lelight.mesh.nodes import NodeMesh
 from lelight.results import NodeValues
-from lelight.views import robust_range, visible_triangles, write_overview
-from lelight.vtkfiles import write_field
+from lelight.writing.views import robust_range, visible_triangles, write_overview
+from lelight.writing.vtkfiles import write_field
 
 GL_HINT = "libegl1 or libosmesa6"
 

@@ -14,11 +14,11 @@ import pyvista
 
 from lelight.channels import channel_suffixes, luminance_weighted
 from lelight.errors import OutputError
-from lelight.files import whole
-from lelight.nodes import NodeMesh
+from lelight.writing.files import whole
+from lelight.mesh.nodes import NodeMesh
 from lelight.results import NodeValues, PlaneValues
 from lelight.scene import MeasuringPlane, Observer, PointLuminaire
-from lelight.vtkfiles import (
+from lelight.writing.vtkfiles import (
     read_field,
     write_field,
     write_index,
@@ -266,7 +266,7 @@ def test_no_luminaires_and_no_observers_make_empty_files(tmp_path):
 
 def test_a_full_disk_is_told_as_such(tmp_path, monkeypatch):
     # Whatever is written to /dev/full is refused for want of space.
-    monkeypatch.setattr("lelight.polydata.whole", whole_on_a_full_disk)
+    monkeypatch.setattr("lelight.writing.polydata.whole", whole_on_a_full_disk)
     with pytest.raises(OutputError, match="disk is full"):
         write_square(tmp_path / "field.vtp")
     assert list(tmp_path.iterdir()) == []

@@ -21,7 +21,7 @@ from lelight.harmonics.indices import terms
 from lelight.harmonics.projection import project_groups
 from lelight.harmonics.zonal import reflected
 from lelight.receivers import Receivers
-from lelight.reflection import Reflectances
+from lelight.tracing.reflection import Reflectances
 from lelight.scene import FloatArray, IntArray
 
 

@@ -17,11 +17,11 @@ from scipy.sparse import csr_array
 from lelight.channels import luminance_weighted
 from lelight.estimate.direct import direct_light
 from lelight.estimate.nearfield import hemisphere_rays
-from lelight.locate import Locator
-from lelight.nodes import NodeMesh
+from lelight.mesh.locate import Locator
+from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
-from lelight.world import World
+from lelight.tracing.world import World
 
 #: Rays of each node, as power of two: more make the draft smoother, and the batches' work lighter.
 LOG2_RAYS = 6

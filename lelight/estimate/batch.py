@@ -13,7 +13,7 @@ from time import perf_counter
 
 import numpy as np
 
-from lelight.chains import ChainVertices, emission_chains
+from lelight.tracing.chains import ChainVertices, emission_chains
 from lelight.estimate.angular import AngularDetail
 from lelight.estimate.base import BaseField
 from lelight.estimate.defect import defect_chains
@@ -22,7 +22,7 @@ from lelight.estimate.local import Arrivals, LocalEstimate, local_estimate
 from lelight.estimate.nearfield import near_field
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import FloatArray, IntArray
-from lelight.world import World
+from lelight.tracing.world import World
 
 #: Receivers in a block: enough for coherent rays, few enough for memory and for all threads to have work.
 BLOCK = 1024

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lelight.chains import (
+from lelight.tracing.chains import (
     DIFFUSE_LOBE,
     REFLECTION_DIMENSIONS,
     SOBOL_REFLECTIONS,
@@ -29,9 +29,9 @@ from lelight.estimate.base import BaseField
 from lelight.estimate.direct import direct_light
 from lelight.estimate.nearfield import near_field
 from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
-from lelight.sampling import cosine_directions, sobol
+from lelight.tracing.sampling import cosine_directions, sobol
 from lelight.scene import BoolArray, FloatArray, IntArray, triangle_areas
-from lelight.world import World
+from lelight.tracing.world import World
 
 #: Rays to emitters and into the room that estimate the defect where a chain starts, as power of two.
 LOG2_DEFECT_RAYS = 6

@@ -13,14 +13,14 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
-from lelight.chains import hash_of
-from lelight.emitters import LOCAL_CHOICE_LIMIT, choice_cdf, chosen, source_strength, toward, unshadowed
+from lelight.tracing.chains import hash_of
+from lelight.tracing.emitters import LOCAL_CHOICE_LIMIT, choice_cdf, chosen, source_strength, toward, unshadowed
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
 from lelight.receivers import ILLUMINANCE, MOMENTS, Receivers
-from lelight.sampling import mix, rotated, sobol, uniform
+from lelight.tracing.sampling import mix, rotated, sobol, uniform
 from lelight.scene import FloatArray
-from lelight.world import World
+from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 

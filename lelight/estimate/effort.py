@@ -22,7 +22,7 @@ from lelight.estimate.nearfield import near_field
 from lelight.estimate.replicates import DARK_SHARE
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import FloatArray, IntArray
-from lelight.world import World
+from lelight.tracing.world import World
 
 #: Trial batches, and the samples of each part in one, as powers of two.
 TRIALS = 8

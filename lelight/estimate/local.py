@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from lelight.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
+from lelight.tracing.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
 from lelight.estimate.moments import add_arrival
 from lelight.receivers import MOMENTS, Receivers
-from lelight.reflection import lobe
-from lelight.sampling import mirrored
+from lelight.tracing.reflection import lobe
+from lelight.tracing.sampling import mirrored
 from lelight.scene import FloatArray, IntArray
-from lelight.world import World
+from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 

@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 from numba import njit
 
-from lelight.chains import hash_of
+from lelight.tracing.chains import hash_of
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
 from lelight.estimate.paths import (
@@ -27,9 +27,9 @@ from lelight.estimate.paths import (
     rotated_numbers,
 )
 from lelight.receivers import MOMENTS, Receivers
-from lelight.sampling import cosine_direction, sobol, sphere_direction, to_axis
+from lelight.tracing.sampling import cosine_direction, sobol, sphere_direction, to_axis
 from lelight.scene import BoolArray, FloatArray, IntArray
-from lelight.world import World
+from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 

@@ -16,11 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from lelight.emitters import chosen, drawn_density, rough_cdf, shines, source_strength, toward
-from lelight.reflection import lobe, lobe_density
-from lelight.sampling import cosine_direction, lobe_direction, mirrored, mix, rotated, to_axis, uniform
+from lelight.tracing.emitters import chosen, drawn_density, rough_cdf, shines, source_strength, toward
+from lelight.tracing.reflection import lobe, lobe_density
+from lelight.tracing.sampling import cosine_direction, lobe_direction, mirrored, mix, rotated, to_axis, uniform
 from lelight.scene import FloatArray, IntArray
-from lelight.world import World
+from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 

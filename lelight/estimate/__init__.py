@@ -1,0 +1,1 @@
+"""The estimators: local estimation from chains, direct light, near field, and the batches made of them."""

@@ -1,0 +1,183 @@
+"""The nearest triangle: of a group of triangles, the one closest to a point, and where on it.
+
+Each group (a patch, or one side of it) has a grid of square cells in the coordinate plane that it faces
+most. Cells are searched in growing squares around the point until nothing nearer can lie further out, so the
+answer is exact on curved groups and for points beside them too.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from lelight.mesh.closest import closest
+from lelight.scene import FloatArray, IntArray
+
+#: A point this much nearer to a triangle than a cell is wide lies on it: look no further.
+ON_SURFACE = 1e-7
+
+
+class Grids(NamedTuple):
+    """Where the cells of each of g groups lie and which triangles they hold.
+
+    Attributes
+    ----------
+    corners : (m, 3, 3) float, m
+    axes : (g, 2) int, the coordinates kept
+    lows : (g, 2) float, m, lowest of these
+    steps : (g,) float, m, width of a cell
+    shapes : (g, 2) int, columns and rows; zero without triangles
+    first_cells : (g + 1,) int
+    starts : (cells + 1,) int into members
+    members : (k,) int, triangles cell by cell
+    """
+
+    corners: FloatArray
+    axes: IntArray
+    lows: FloatArray
+    steps: FloatArray
+    shapes: IntArray
+    first_cells: IntArray
+    starts: IntArray
+    members: IntArray
+
+
+class TriangleGrid:
+    """Bucket grids over groups of triangles.
+
+    Parameters
+    ----------
+    corners : (m, 3, 3) float, m
+    groups : (m,) int, at least 0: the group of each triangle
+    """
+
+    def __init__(self, corners: FloatArray, groups: IntArray) -> None:
+        self._centre = corners.mean(axis=(0, 1)) if len(corners) else np.zeros(3)
+        empty = _layout(np.ascontiguousarray(corners - self._centre), groups)
+        counts = np.zeros(int(empty.first_cells[-1]) + 1, dtype=np.int64)
+        _visit_cells(empty, groups, counts, np.empty(0, dtype=np.int64))
+        ends = np.cumsum(counts)
+        members = np.empty(int(ends[-1]), dtype=np.int64)
+        _visit_cells(empty, groups, ends - counts, members)
+        self._grids = empty._replace(starts=ends - counts, members=members)
+
+    def find(self, points: FloatArray, groups: IntArray) -> tuple[IntArray, FloatArray]:
+        """Find the nearest triangle of its group for each point.
+
+        Parameters
+        ----------
+        points : (k, 3) float, m
+        groups : (k,) int
+
+        Returns
+        -------
+        triangles : (k,) int, -1 where the group has no triangle
+        weights : (k, 3) float: barycentric weights of the nearest point, non-negative, of sum 1
+        """
+        found = np.full(len(points), -1, dtype=np.int64)
+        weights = np.zeros((len(points), 3))
+        known = (groups >= 0) & (groups < len(self._grids.shapes))
+        local = np.ascontiguousarray(points - self._centre, dtype=np.float64)
+        _search(local, np.where(known, groups, -1).astype(np.int64), self._grids, found, weights)
+        return found, weights
+
+
+def _layout(corners: FloatArray, groups: IntArray) -> Grids:
+    """Lay out grids without members: about as many cells as triangles, none smaller than a mean triangle."""
+    count = int(groups.max(initial=-1)) + 1
+    axes, lows = np.zeros((count, 2), dtype=np.int64), np.zeros((count, 2))
+    steps, shapes = np.ones(count), np.zeros((count, 2), dtype=np.int64)
+    order = np.argsort(groups, kind="stable")
+    filled, first, numbers = np.unique(groups[order], return_index=True, return_counts=True)
+    if len(filled):
+        axes[filled], lows[filled], spans, sizes = _footprints(corners[order], first, numbers)
+        wanted = np.maximum(np.sqrt(spans.prod(axis=1) / numbers), spans.max(axis=1) / numbers)
+        step = np.maximum(wanted, sizes.max(axis=1))
+        steps[filled] = np.where(step > 0, step, 1.0)
+        shapes[filled] = np.floor(spans / steps[filled, None]).astype(np.int64) + 1
+    first_cells = np.concatenate([[0], np.cumsum(shapes.prod(axis=1))])
+    nothing = np.empty(0, dtype=np.int64)
+    return Grids(corners, axes, lows, steps, shapes, first_cells, nothing, nothing)
+
+
+def _footprints(
+    corners: FloatArray, first: IntArray, numbers: IntArray
+) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
+    """Look at groups from the axis they face most: kept axes, lows, spans, mean triangle sizes, all (g, 2).
+
+    The groups start at ``first`` (g,) among the corners and have ``numbers`` (g,) triangles.
+    """
+    sides = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    faced = np.argmax(np.add.reduceat(sides, first), axis=1)
+    axes = np.array([[1, 2], [0, 2], [0, 1]])[faced]
+    rows = np.arange(len(first))[:, None]
+    lows = np.minimum.reduceat(corners.min(axis=1), first)[rows, axes]
+    spans = np.maximum.reduceat(corners.max(axis=1), first)[rows, axes] - lows
+    sizes = np.add.reduceat(np.ptp(corners, axis=1), first)[rows, axes] / numbers[:, None]
+    return axes, lows, spans, sizes
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _cell(height: float, step: float, count: int) -> int:
+    """Row or column at a height above the grid's foot, held inside the grid."""
+    return min(max(int(height / step), 0), count - 1)
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _visit_cells(grids: Grids, groups: IntArray, cursor: IntArray, members: IntArray) -> None:
+    """Step the cursor of each cell that a triangle's box touches; write members if there is room."""
+    for triangle in range(len(groups)):
+        group = groups[triangle]
+        step, columns, rows = grids.steps[group], grids.shapes[group, 0], grids.shapes[group, 1]
+        us = grids.corners[triangle, :, grids.axes[group, 0]] - grids.lows[group, 0]
+        vs = grids.corners[triangle, :, grids.axes[group, 1]] - grids.lows[group, 1]
+        for column in range(_cell(us.min(), step, columns), _cell(us.max(), step, columns) + 1):
+            for row in range(_cell(vs.min(), step, rows), _cell(vs.max(), step, rows) + 1):
+                cell = grids.first_cells[group] + column * rows + row
+                if len(members) > 0:
+                    members[cursor[cell]] = triangle
+                cursor[cell] += 1
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _search(points: FloatArray, groups: IntArray, grids: Grids, found: IntArray, weights: FloatArray) -> None:
+    """Search rings of cells around each point, nearest first, until the next ring is too far away."""
+    for k in range(len(points)):
+        group = groups[k]
+        if group < 0 or grids.shapes[group, 0] == 0:
+            continue
+        step, columns, rows = grids.steps[group], grids.shapes[group, 0], grids.shapes[group, 1]
+        u = points[k, grids.axes[group, 0]] - grids.lows[group, 0]
+        v = points[k, grids.axes[group, 1]] - grids.lows[group, 1]
+        column, row = _cell(u, step, columns), _cell(v, step, rows)
+        least = np.inf
+        for ring in range(max(columns, rows)):
+            for i in range(max(column - ring, 0), min(column + ring, columns - 1) + 1):
+                whole = ring == 0 or i == column - ring or i == column + ring
+                for j in range(row - ring, row + ring + 1, 1 if whole else 2 * ring):
+                    if j < 0 or j >= rows:
+                        continue
+                    cell = grids.first_cells[group] + i * rows + j
+                    for place in range(grids.starts[cell], grids.starts[cell + 1]):
+                        triangle = grids.members[place]
+                        distance, wb, wc = closest(points[k], grids.corners[triangle])
+                        if distance < least:
+                            least = distance
+                            found[k] = triangle
+                            weights[k, 0], weights[k, 1], weights[k, 2] = max(1.0 - wb - wc, 0.0), wb, wc
+            reach = min(_reach(u, column, ring, columns, step), _reach(v, row, ring, rows, step))
+            if least <= max(reach, 0.0, ON_SURFACE * step) ** 2:
+                break
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _reach(height: float, cell: int, ring: int, count: int, step: float) -> float:
+    """Distance from a coordinate to the nearest cell beyond the ring, infinite where the grid ends."""
+    reach = np.inf
+    if cell - ring > 0:
+        reach = height - (cell - ring) * step
+    if cell + ring < count - 1:
+        reach = min(reach, (cell + ring + 1) * step - height)
+    return reach

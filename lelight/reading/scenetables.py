@@ -1,0 +1,176 @@
+"""Tables of a scene file and what each key allows.
+
+Positions and directions are in scene axes, z up, whatever axes and unit the OBJ has; positions are in m.
+"""
+
+from __future__ import annotations
+
+import difflib
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from lelight.reading.quantities import (
+    Colour,
+    Direction,
+    Exponent,
+    Flux,
+    Position,
+    Positive,
+    Reflectance,
+    RelativeError,
+    Seconds,
+    Share,
+)
+
+Unit = Literal["m", "cm", "mm", "in", "ft"]
+UpAxis = Literal["z", "y"]
+
+#: Shortest edge of a measuring plane in m.
+SHORTEST_EDGE = 1e-6
+
+
+class Table(BaseModel):
+    """A TOML table that knows its keys and names the nearest one to a slip of the pen."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _keys_are_known(cls, table: Any) -> Any:
+        allowed = list(cls.model_fields)
+        for key in table if isinstance(table, dict) else ():
+            if key not in allowed:
+                near = difflib.get_close_matches(str(key)[:60], allowed, n=2, cutoff=0.6)
+                meant = f"did you mean {' or '.join(near)}? " if near else ""
+                reason = f"{meant}allowed are {', '.join(allowed)}"
+                raise PydanticCustomError("unknown_key", "{reason}", {"reason": reason, "key": key})
+        return table
+
+
+class MaterialTable(Table):
+    """Overrides of the materials that a pattern matches; keys that are absent leave theirs alone."""
+
+    reflectance: Reflectance | None = None
+    specular: Reflectance | None = None
+    exponent: Exponent | None = None
+    luminance: Colour | None = None
+    flux: Flux | None = None
+    sides: Literal["front", "both"] | None = None
+
+    @model_validator(mode="after")
+    def _one_emission(self) -> Self:
+        if self.luminance is not None and self.flux is not None:
+            raise ValueError("allowed is luminance or flux, not both")
+        return self
+
+
+class LuminaireTable(Table):
+    """A luminaire; ``aim`` and ``c0`` turn its photometry."""
+
+    name: Annotated[str, Field(min_length=1)]
+    position: Position
+    intensity: Colour | None = None
+    photometry: str | None = None
+    aim: Direction = (0.0, 0.0, -1.0)
+    c0: Direction = (1.0, 0.0, 0.0)
+    dimming: Share = 1.0
+    maintenance: Share = 1.0
+
+    @model_validator(mode="after")
+    def _one_light(self) -> Self:
+        if (self.intensity is None) == (self.photometry is None):
+            raise ValueError("allowed is one of intensity (cd) and photometry (a file)")
+        return self
+
+
+class ObserverTable(Table):
+    """An eye and where it looks."""
+
+    name: Annotated[str, Field(min_length=1)]
+    position: Position
+    direction: Direction
+
+
+class TargetTable(Table):
+    """What a plane is required to reach."""
+
+    mean_illuminance: Positive | None = None
+    uniformity: Share | None = None
+    ugr: Positive | None = None
+
+
+class PlaneTable(Table):
+    """A rectangle to measure on: a corner and two edge vectors."""
+
+    name: Annotated[str, Field(min_length=1)]
+    origin: Position
+    u: Direction
+    v: Direction
+    target: TargetTable = TargetTable()
+
+    @model_validator(mode="after")
+    def _has_area(self) -> Self:
+        u, v = np.array(self.u), np.array(self.v)
+        lengths = np.linalg.norm(u), np.linalg.norm(v)
+        if min(lengths) < SHORTEST_EDGE:
+            raise ValueError(
+                f"u or v is shorter than {SHORTEST_EDGE:g} m; allowed are edges that span a rectangle"
+            )
+        if np.linalg.norm(np.cross(u, v)) < 1e-6 * np.prod(lengths):
+            raise ValueError("u and v are parallel; allowed are edges that span a rectangle")
+        return self
+
+
+def _power_of_two(found: int) -> int:
+    if found & (found - 1):
+        raise ValueError("allowed is a power of two, like 1024")
+    return found
+
+
+Count = Annotated[int, Field(ge=1, le=2**31)]
+
+
+class CalcTable(Table):
+    """Expert keys of the calculation; what is absent is for the command line and the plan to say.
+
+    ``target`` is a relative standard error, ``time`` is in s, ``edge`` in m, ``chains`` are per batch.
+    """
+
+    target: RelativeError | None = None
+    time: Seconds | None = None
+    preset: Literal["draft", "normal", "fine"] | None = None
+    method: Literal["sh", "grid"] | None = None
+    edge: Positive | None = None
+    seed: Annotated[int, Field(ge=0, lt=2**63)] | None = None
+    threads: Count | None = None
+    chains: Annotated[Count, AfterValidator(_power_of_two)] | None = None
+    batches: Count | None = None
+    directions: Count | None = None
+
+
+class SceneTables(Table):
+    """A whole scene file."""
+
+    geometry: str | None = None
+    unit: Unit = "m"
+    up: UpAxis = "z"
+    materials: dict[str, MaterialTable] = {}
+    luminaires: list[LuminaireTable] = []
+    observers: list[ObserverTable] = []
+    planes: list[PlaneTable] = []
+    calc: CalcTable = CalcTable()
+
+    @model_validator(mode="after")
+    def _names_are_unique(self) -> Self:
+        for kind, tables in (("observers", self.observers), ("planes", self.planes)):
+            names = [table.name for table in tables]
+            repeated = next((name for name in names if names.count(name) > 1), None)
+            if repeated is not None:
+                reason = "a name that is given twice; allowed are different names"
+                raise PydanticCustomError(
+                    "repeated", "{reason}", {"reason": reason, "key": kind, "name": repeated}
+                )
+        return self

@@ -1,0 +1,1 @@
+"""What rays and light meet: geometry for embree, emitters, reflection, random numbers, chains of light."""

@@ -1,0 +1,188 @@
+"""A point drawn on a triangle so that its direction from an eye is uniform in solid angle.
+
+Arvo, "Stratified Sampling of Spherical Triangles", SIGGRAPH 1995. A triangle that is nearly flat or tiny on the
+sphere is drawn by area instead; both come with their density in solid angle.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from lelight.tracing.sampling import solid_angle
+
+_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
+
+#: Below this solid angle (sr) the inverse of Arvo's map loses digits, while area sampling is as even.
+SMALL_SOLID_ANGLE = 1e-4
+
+
+@njit(**_COMPILED)
+def _unit(x, y, z):
+    s = 1.0 / math.sqrt(x * x + y * y + z * z)
+    return x * s, y * s, z * s
+
+
+@njit(**_COMPILED)
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(**_COMPILED)
+def _cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@njit(**_COMPILED)
+def _reject(a, b):
+    """Unit part of a that is perpendicular to the unit vector b."""
+    d = _dot(a, b)
+    return _unit(a[0] - d * b[0], a[1] - d * b[1], a[2] - d * b[2])
+
+
+@njit(**_COMPILED)
+def _clamped(x):
+    return min(1.0, max(-1.0, x))
+
+
+@njit(**_COMPILED)
+def directions_to_corners(corners, x, y, z):
+    """Unit vectors from the point (x, y, z) to three corners (3, 3)."""
+    a = _unit(corners[0, 0] - x, corners[0, 1] - y, corners[0, 2] - z)
+    b = _unit(corners[1, 0] - x, corners[1, 1] - y, corners[1, 2] - z)
+    c = _unit(corners[2, 0] - x, corners[2, 1] - y, corners[2, 2] - z)
+    return a, b, c
+
+
+@njit(**_COMPILED)
+def triangle_solid_angle(corners, x, y, z):
+    """Solid angle in sr of a triangle (3, 3) seen from a point."""
+    a, b, c = directions_to_corners(corners, x, y, z)
+    return solid_angle(a, b, c)
+
+
+@njit(**_COMPILED)
+def _arvo(a, b, c, area, u, v):
+    n_ab, n_bc, n_ca = _unit(*_cross(a, b)), _unit(*_cross(b, c)), _unit(*_cross(c, a))
+    alpha = math.acos(_clamped(-_dot(n_ab, n_ca)))
+    # The part area u * area, cut off by a great circle through b, ends at the point c' on the arc a c.
+    s, t = math.sin(u * area - alpha), math.cos(u * area - alpha)
+    cos_alpha, sin_alpha = math.cos(alpha), math.sin(alpha)
+    p = t - cos_alpha
+    q = s + sin_alpha * _dot(a, b)
+    denominator = (q * s + p * t) * sin_alpha
+    ratio = ((t * q - s * p) * cos_alpha - q) / denominator if denominator != 0.0 else 1.0
+    ratio = _clamped(ratio)
+    across = _reject(c, a)
+    root = math.sqrt(1.0 - ratio * ratio)
+    cut = (
+        ratio * a[0] + root * across[0],
+        ratio * a[1] + root * across[1],
+        ratio * a[2] + root * across[2],
+    )
+    z = 1.0 - v * (1.0 - _dot(cut, b))
+    side = _reject(cut, b)
+    r = math.sqrt(max(0.0, 1.0 - z * z))
+    return z * b[0] + r * side[0], z * b[1] + r * side[1], z * b[2] + r * side[2]
+
+
+@njit(**_COMPILED)
+def point_on_ray(corners, normal, x, y, z, direction):
+    """Where a ray from (x, y, z) meets the triangle's plane, as distance along the unit direction."""
+    across = _dot(direction, (normal[0], normal[1], normal[2]))
+    toward = (
+        (corners[0, 0] - x) * normal[0] + (corners[0, 1] - y) * normal[1] + (corners[0, 2] - z) * normal[2]
+    )
+    return toward / across if across != 0.0 else -1.0
+
+
+@njit(**_COMPILED)
+def _by_area(corners, normal, area, x, y, z, u, v):
+    root = math.sqrt(u)
+    wa, wb, wc = 1.0 - root, root * (1.0 - v), root * v
+    dx = wa * corners[0, 0] + wb * corners[1, 0] + wc * corners[2, 0] - x
+    dy = wa * corners[0, 1] + wb * corners[1, 1] + wc * corners[2, 1] - y
+    dz = wa * corners[0, 2] + wb * corners[1, 2] + wc * corners[2, 2] - z
+    distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+    d = (dx / distance, dy / distance, dz / distance)
+    cos_away = abs(d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2])
+    density = distance * distance / (area * cos_away) if cos_away > 0.0 else 0.0
+    return d, distance, density
+
+
+@njit(**_COMPILED)
+def sample_triangle(corners, normal, area, x, y, z, u, v):
+    """Draw a direction from (x, y, z) to a triangle.
+
+    Returns
+    -------
+    direction : unit 3-tuple
+    distance : float, m
+    density : float, 1/sr; 0 where the triangle cannot be drawn from here (seen edge on)
+    """
+    omega = triangle_solid_angle(corners, x, y, z)
+    if omega < SMALL_SOLID_ANGLE:
+        return _by_area(corners, normal, area, x, y, z, u, v)
+    a, b, c = directions_to_corners(corners, x, y, z)
+    d = _arvo(a, b, c, omega, u, v)
+    distance = point_on_ray(corners, normal, x, y, z, d)
+    if not (distance > 0.0 and distance < math.inf):
+        return d, 0.0, 0.0
+    return d, distance, 1.0 / omega
+
+
+@njit(**_COMPILED)
+def triangle_density(corners, normal, area, x, y, z, direction):
+    """Density in 1/sr with which `sample_triangle` draws a direction that meets the triangle."""
+    omega = triangle_solid_angle(corners, x, y, z)
+    if omega >= SMALL_SOLID_ANGLE:
+        return 1.0 / omega
+    distance = point_on_ray(corners, normal, x, y, z, direction)
+    cos_away = abs(direction[0] * normal[0] + direction[1] * normal[1] + direction[2] * normal[2])
+    return distance * distance / (area * cos_away) if cos_away > 0.0 else 0.0
+
+
+@njit(**_COMPILED)
+def _edge_term(a, b, n):
+    """One edge of Lambert's formula: angle between the unit vectors times the normal of their plane along n."""
+    g = _cross(a, b)
+    sine = math.sqrt(_dot(g, g))
+    if sine == 0.0:
+        return 0.0
+    return math.atan2(sine, _dot(a, b)) * _dot(g, n) / sine
+
+
+@njit(**_COMPILED)
+def _at_horizon(a, b, height_a, height_b):
+    """Unit vector where the arc from a (above) to b (below) crosses the horizon."""
+    t = height_a / (height_a - height_b)
+    return _unit(a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]))
+
+
+@njit(**_COMPILED)
+def triangle_irradiance(corners, x, y, z, nx, ny, nz):
+    """Illuminance at a place from a triangle of unit luminance, the part below the horizon cut off.
+
+    Lambert's formula, E = |sum over edges of angle x (edge normal . n)| / 2 (Lambert 1760; Arvo 1995, eq. 3.9).
+    """
+    n = (nx, ny, nz)
+    directions = directions_to_corners(corners, x, y, z)
+    total = 0.0
+    first_cut, second_cut, cuts = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0
+    for k in range(3):
+        a, b = directions[k], directions[(k + 1) % 3]
+        height_a, height_b = _dot(a, n), _dot(b, n)
+        if height_a > 0.0 and height_b > 0.0:
+            total += _edge_term(a, b, n)
+        elif height_a > 0.0:
+            first_cut = _at_horizon(a, b, height_a, height_b)
+            total += _edge_term(a, first_cut, n)
+            cuts += 1
+        elif height_b > 0.0:
+            second_cut = _at_horizon(b, a, height_b, height_a)
+            total += _edge_term(second_cut, b, n)
+            cuts += 1
+    if cuts == 2:
+        total += _edge_term(first_cut, second_cut, n)
+    return 0.5 * abs(total)

@@ -1,0 +1,1 @@
+"""Writing results: VTK files, luminance pictures, the ParaView script; whole files or none."""

@@ -1,0 +1,189 @@
+"""``field.vtp``: everything that is known at the nodes, and its way back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lelight.channels import channel_suffixes, luminance_weighted
+from lelight.errors import OutputError
+from lelight.mesh.nodes import NodeMesh
+from lelight.writing.polydata import PolyData, read_polydata, write_polydata
+from lelight.results import NodeValues
+from lelight.scene import FloatArray, IntArray
+
+SH_CONVENTION = (
+    "real orthonormal, no Condon-Shortley phase, index l*l + l + m, "
+    "local frame x = frame_x, z = normal, y = z cross x"
+)
+
+UNITS = {
+    "length": "m",
+    "illuminance": "lx",
+    "luminance": "cd/m2",
+    "exitance": "lm/m2",
+    "radiance_sh": "cd/m2",
+}
+
+
+def write_field(
+    path: Path,
+    mesh: NodeMesh,
+    values: NodeValues,
+    *,
+    exitance: FloatArray,
+    luminance: FloatArray,
+    material_names: Sequence[str],
+    header: Mapping[str, Any],
+    weights: FloatArray | None = None,
+) -> None:
+    """Write ``field.vtp``: everything that is known at the nodes.
+
+    Quantities are luminance-weighted; with more than one channel each channel stands beside them under the
+    endings of `channel_suffixes`, so that `read_field` gives back what went in.
+
+    Parameters
+    ----------
+    exitance : (n, C) float, lm/m²
+    luminance : (n, C) float, cd/m², along the normal
+    header : what the file says about the run (version, seed, up axis, input hashes), as JSON can hold it
+    weights : (C,) float, luminance weights of channels that are neither grey nor Rec. 709
+    """
+    channels = values.illuminance.shape[-1]
+    told = {"channels": channels, "units": UNITS, "sh_convention": SH_CONVENTION, **header}
+    coefficients = _stored_harmonics(values)
+    names = tuple(f"Y_{degree}_{order}" for degree, order in _harmonics(coefficients.shape[1]))
+    harmonics = _by_channel("radiance_sh", coefficients)
+    write_polydata(
+        path,
+        PolyData(
+            points=mesh.positions,
+            polygons=mesh.triangles,
+            point_arrays={
+                **_photometric_arrays(values, exitance, luminance, weights),
+                **harmonics,
+                **_node_arrays(mesh, values.sh_degree),
+            },
+            cell_arrays={
+                "material_id": mesh.triangle_materials.astype(np.int32),
+                "patch_id": mesh.triangle_patches.astype(np.int32),
+                "side": mesh.triangle_sides.astype(np.int8),
+            },
+            component_names=dict.fromkeys(harmonics, names),
+            texts={"lelight": (json.dumps(told),), "material_names": tuple(material_names)},
+        ),
+    )
+
+
+def read_field(path: Path) -> tuple[NodeMesh, NodeValues, dict[str, Any]]:
+    """Read back what `write_field` wrote; the header also has ``material_names``.
+
+    A node that no triangle uses has no surface to stand for and comes back as hidden.
+
+    Raises
+    ------
+    OutputError
+        where the file is missing, cut off, damaged or not a field of lelight
+    """
+    content = read_polydata(path)
+    try:
+        header = json.loads(content.texts["lelight"][0])
+        header["material_names"] = list(content.texts["material_names"])
+        return _node_mesh(content), _node_values(content, header["channels"]), header
+    except KeyError as missing:
+        raise OutputError(
+            f"{path}: not a field of lelight: {missing} is missing: give field.vtp of a finished run"
+        ) from missing
+
+
+def _photometric_arrays(
+    values: NodeValues, exitance: FloatArray, luminance: FloatArray, weights: FloatArray | None
+) -> dict[str, NDArray[Any]]:
+    quantities = {
+        "illuminance_lx": values.illuminance,
+        "direct_illuminance_lx": values.direct,
+        "scalar_illuminance_lx": values.scalar_illuminance,
+        "light_vector_lx": values.light_vector,
+        "luminance_cd_m2": luminance,
+        "exitance_lm_m2": exitance,
+    }
+    arrays = {name: luminance_weighted(quantity, weights=weights) for name, quantity in quantities.items()}
+    for name, quantity in quantities.items():
+        arrays.update(_by_channel(name, quantity))
+    return {**arrays, "illuminance_std_error_lx": values.std_error}
+
+
+def _node_arrays(mesh: NodeMesh, sh_degree: IntArray) -> dict[str, NDArray[Any]]:
+    return {
+        "sh_degree": sh_degree.astype(np.int32),
+        "frame_x": mesh.frames_x,
+        "normal": mesh.normals,
+        "hidden": mesh.hidden.astype(np.uint8),
+        "corner_m": mesh.vertices,
+        "area_m2": mesh.areas,
+    }
+
+
+def _by_channel(name: str, values: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    return {
+        name + suffix: values[..., channel]
+        for channel, suffix in enumerate(channel_suffixes(values.shape[-1]))
+    }
+
+
+def _stored_harmonics(values: NodeValues) -> NDArray[np.float32]:
+    """Cut coefficients to the largest degree that a node uses."""
+    used = (int(values.sh_degree.max(initial=0)) + 1) ** 2
+    return np.asarray(values.radiance_sh[:, :used], dtype=np.float32)
+
+
+def _harmonics(count: int) -> list[tuple[int, int]]:
+    degrees = [int(np.sqrt(index)) for index in range(count)]
+    return [(degree, index - degree * degree - degree) for index, degree in enumerate(degrees)]
+
+
+def _node_mesh(content: PolyData) -> NodeMesh:
+    arrays, triangles = content.point_arrays, content.polygons
+    surfaceless = np.ones(len(content.points), dtype=bool)
+    surfaceless[triangles.ravel()] = False
+    return NodeMesh(
+        vertices=arrays["corner_m"],
+        positions=content.points,
+        normals=arrays["normal"],
+        frames_x=arrays["frame_x"],
+        areas=arrays["area_m2"],
+        materials=_at_corners(content, "material_id"),
+        patches=_at_corners(content, "patch_id"),
+        sides=_at_corners(content, "side"),
+        hidden=(arrays["hidden"] != 0) | surfaceless,
+        triangles=triangles,
+    )
+
+
+def _at_corners(content: PolyData, name: str) -> IntArray:
+    """Carry what the triangles share with their nodes back to the nodes."""
+    node_values = np.zeros(len(content.points), dtype=np.int64)
+    node_values[content.polygons] = content.cell_arrays[name][:, None]
+    return node_values
+
+
+def _node_values(content: PolyData, channels: int) -> NodeValues:
+    arrays = content.point_arrays
+
+    def stacked(name: str) -> NDArray[Any]:
+        return np.stack([arrays[name + suffix] for suffix in channel_suffixes(channels)], axis=-1)
+
+    return NodeValues(
+        illuminance=stacked("illuminance_lx"),
+        std_error=arrays["illuminance_std_error_lx"],
+        direct=stacked("direct_illuminance_lx"),
+        scalar_illuminance=stacked("scalar_illuminance_lx"),
+        light_vector=stacked("light_vector_lx"),
+        sh_degree=arrays["sh_degree"].astype(np.int64),
+        radiance_sh=stacked("radiance_sh").reshape(len(content.points), -1, channels),
+    )
