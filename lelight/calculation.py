@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
@@ -44,6 +44,10 @@ from lelight.tracing.world import World, build_world
 Progress = Callable[["Standing"], None]
 
 
+#: Grid points and eyes are few, and figures are taken from each: they sample so many doublings more than nodes.
+PLANE_DOUBLINGS, EYE_DOUBLINGS = 2, 6
+
+
 @dataclass(frozen=True)
 class Standing:
     """Where a run stands after a batch.
@@ -51,7 +55,7 @@ class Standing:
     Attributes
     ----------
     batches : int done
-    seconds : float since the estimate began
+    seconds : float since the run began
     error : reached so far, None before there are two batches
     target : float
     """
@@ -99,7 +103,6 @@ class _Stage:
     edge: float
     plan: Plan
     base: BaseField | None
-    seconds: dict[str, float] = field(default_factory=dict)
 
 
 def calc(
@@ -135,14 +138,14 @@ def calculate(scene: Scene, settings: Settings, *, progress: Progress = lambda _
     """Run all stages; `calc` for those who want more than the field."""
     require_light(scene)
     settings = settings.over(scene.settings)
-    with ThreadPoolExecutor(max_workers=settings.workers) as executor:
-        stage = _prepare(scene, settings, executor)
-        return _estimate(scene, settings, stage, executor, progress)
-
-
-def _prepare(scene: Scene, settings: Settings, executor: Executor) -> _Stage:
-    """Plan, remesh, find the lit sides and the buried nodes, list the receivers."""
     clock = _Clock()
+    with ThreadPoolExecutor(max_workers=settings.workers) as executor:
+        stage = _prepare(scene, settings, executor, clock)
+        return _estimate(scene, settings, stage, executor, progress, clock)
+
+
+def _prepare(scene: Scene, settings: Settings, executor: Executor, clock: _Clock) -> _Stage:
+    """Plan, remesh, find the lit sides and the buried nodes, list the receivers."""
     plan = make_plan(scene, method=settings.method)
     labels = patches(scene)
     edge = settings.edge or default_edge(scene) * settings.values.edge_scale
@@ -169,7 +172,7 @@ def _prepare(scene: Scene, settings: Settings, executor: Executor) -> _Stage:
             world, mesh, nodes, labels=labels, lit=lit, seed=settings.seed, executor=executor
         )
     clock.lap("base")
-    return _Stage(world, labels, mesh, receivers, grids, edge, plan, base, clock.seconds)
+    return _Stage(world, labels, mesh, receivers, grids, edge, plan, base)
 
 
 def _receivers(
@@ -178,10 +181,14 @@ def _receivers(
     """Nodes first, then the points of all planes, then the eyes."""
     parts = [surface_receivers(mesh, plan.degrees)]
     for plane, (points, _) in zip(scene.planes, grids, strict=True):
-        parts.append(space_receivers(points, np.broadcast_to(plane.normal, points.shape).copy()))
+        parts.append(space_receivers(points, _repeated(plane.normal, points), doublings=PLANE_DOUBLINGS))
     for eye in scene.observers:
-        parts.append(space_receivers(eye.position[None], eye.direction[None]))
+        parts.append(space_receivers(eye.position[None], eye.direction[None], doublings=EYE_DOUBLINGS))
     return joined(parts)
+
+
+def _repeated(normal: FloatArray, points: FloatArray) -> FloatArray:
+    return np.tile(normal, (len(points), 1))
 
 
 def _detail(plan: Plan, settings: Settings, world: World) -> AngularDetail | None:
@@ -202,15 +209,16 @@ def _grid(degree: int, directions: int | None) -> HemisphereGrid:
 
 
 def _estimate(
-    scene: Scene, settings: Settings, stage: _Stage, executor: Executor, progress: Progress
+    scene: Scene, settings: Settings, stage: _Stage, executor: Executor, progress: Progress, clock: _Clock
 ) -> Calculation:
     """Add batches until the target, the time or the number of them is reached."""
-    clock = _Clock()
     detail = _detail(stage.plan, settings, stage.world)
     areas = np.zeros(len(stage.receivers))
     areas[: len(stage.mesh)] = visible_areas(stage.mesh.areas, stage.mesh.hidden)
+    # Against a clock smaller batches stop closer to it.
+    aim = settings.target_error * (2.0 if settings.time is not None else 1.0)
     effort, receivers = choose_effort(
-        stage.world, stage.receivers, base=stage.base, areas=areas, target=settings.target_error, seed=settings.seed,
+        stage.world, stage.receivers, base=stage.base, areas=areas, target=aim, seed=settings.seed,
         executor=executor,
     )
     clock.lap("effort")
@@ -241,7 +249,7 @@ def _estimate(
         error=error,
         target_met=error.rms <= settings.target_error,
         edge=stage.edge,
-        seconds=stage.seconds | clock.seconds,
+        seconds=clock.seconds,
         convergence=tuple(convergence),
     )
 

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lelight.camera import Camera, as_picture, stratified_offsets
 from lelight.channels import luminance_weighted
 from lelight.estimate.paths import Paths, meet
 from lelight.writing.fieldfile import read_field, write_field
@@ -67,11 +68,16 @@ class RadianceField:
         return self.values.std_error
 
     @property
-    def exitance(self) -> FloatArray:
-        """(n, C) float, lm/m²: reflected and emitted, without what the Phong lobe sends below the horizon."""
+    def reflected_exitance(self) -> FloatArray:
+        """(n, C) float, lm/m², including what the Phong lobe would send below the horizon."""
         reflectances = self.world.reflectances
         albedo = reflectances.diffuse[self.mesh.materials] + reflectances.specular[self.mesh.materials]
-        return albedo * self.values.illuminance + math.pi * self._emission
+        return albedo * self.values.illuminance
+
+    @property
+    def exitance(self) -> FloatArray:
+        """(n, C) float, lm/m²: reflected and emitted."""
+        return self.reflected_exitance + math.pi * self._emission
 
     @property
     def luminance_along_normal(self) -> FloatArray:
@@ -135,6 +141,16 @@ class RadianceField:
         radiance = np.zeros((count, self.world.channels))
         radiance[paths.number] = self.emitted(paths) + self.reflected(paths, paths.number + first)
         return radiance
+
+    def picture(
+        self, camera: Camera, width: int, height: int, *, samples: int, executor: Executor
+    ) -> FloatArray:
+        """Luminance (height, width) in cd/m², the mean of ``samples`` rays a pixel, nan where there is none."""
+        total = np.zeros(int(camera.mask(width, height).sum()))
+        for x, y in stratified_offsets(samples):
+            origins, directions = camera.rays(width, height, offset=(float(x), float(y)))
+            total += luminance_weighted(self.seen(origins, directions, executor=executor))
+        return as_picture(total / samples, camera.mask(width, height))
 
     def emitted(self, paths: Paths) -> FloatArray:
         """Luminance (k, C) that the surfaces emit toward where the paths came from."""

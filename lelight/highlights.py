@@ -1,7 +1,7 @@
 """What a Phong lobe shows of the emitters themselves, and of everything where it is almost a mirror.
 
-The field keeps reflected light only, since small bright sources would ring and blur in harmonics. Their images
-in glossy surfaces are computed when a direction is evaluated: sources drawn by what they can give, and
+The field keeps reflected light only, since small bright sources would ring and blur in harmonics. Their
+images in glossy surfaces are computed when a direction is evaluated: sources drawn by what they can give, and
 directions drawn from the lobe, combined by the balance heuristic.
 """
 
@@ -11,15 +11,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from lelight.tracing.chains import hash_of
 from lelight.estimate.paths import NUMBERS, Paths, rotated_numbers, step
-from lelight.tracing.sampling import sobol
 from lelight.scene import FloatArray, IntArray
+from lelight.tracing.chains import hash_of
+from lelight.tracing.sampling import sobol
 from lelight.tracing.world import World
 
 
 def only_specular(world: World) -> World:
-    """The same world with all Lambertian lobes switched off."""
+    """Switch all Lambertian lobes off."""
     dark = np.zeros_like(world.reflectances.diffuse)
     share = np.zeros_like(world.reflectances.diffuse_share)
     return replace(world, reflectances=world.reflectances._replace(diffuse=dark, diffuse_share=share))

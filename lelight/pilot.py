@@ -1,7 +1,7 @@
 """A short walk before the run: which sides of which patches light reaches, and which nodes are buried.
 
-Light reaches a place where a walk from it, that nothing absorbs, comes to see an emitter. Inside a closed piece
-of furniture no walk ever does; at the dark end of a corridor one soon will.
+Light reaches a place where a walk from it, that nothing absorbs, comes to see an emitter. Inside a closed
+piece of furniture no walk ever does; at the dark end of a corridor one soon will.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from concurrent.futures import Executor
 
 import numpy as np
 
-from lelight.tracing.chains import emission_chains, hash_of
 from lelight.estimate.nearfield import hemisphere_rays
 from lelight.estimate.paths import Paths, chosen_paths, hashed_numbers, meet, shadow_rays
 from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import Receivers, space_receivers, surface_receivers, with_surface
-from lelight.tracing.sampling import cosine_directions
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
+from lelight.tracing.chains import emission_chains, hash_of
+from lelight.tracing.sampling import cosine_directions
 from lelight.tracing.world import World
 
 #: Chains of the pilot walk, as power of two.
@@ -30,9 +30,7 @@ LONGEST_WALK = 48
 CHUNK = 2048
 
 
-def lit_sides(
-    scene: Scene, world: World, *, labels: IntArray, seed: int, executor: Executor
-) -> BoolArray:
+def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int, executor: Executor) -> BoolArray:
     """Say which sides of the patches receive light, (n_patches, 2): front, back.
 
     Parameters
@@ -70,7 +68,7 @@ def reached_by_light(world: World, receivers: Receivers, *, seed: tuple[int, ...
     start = Paths.at(receivers.points, receivers.normals, channels=world.channels)
     reached |= _sees_emitter(world, start, seed, receivers.identity)
     identity = receivers.identity[owner] * 2**LOG2_WALKS + np.arange(len(owner)) % 2**LOG2_WALKS
-    walkers, kept = meet(world, np.arange(len(owner)), origins, directions, np.ones((len(owner), 1)))
+    walkers, _ = meet(world, np.arange(len(owner)), origins, directions, np.ones((len(owner), 1)))
     for depth in range(LONGEST_WALK):
         walkers = chosen_paths(walkers, np.flatnonzero(~reached[owner[walkers.number]]))
         if not len(walkers.number):
@@ -103,13 +101,13 @@ def _shines_back(world: World, walkers: Paths) -> BoolArray:
     source = emitters.of_triangle[walkers.triangles]
     front = np.einsum("kx,kx->k", walkers.normals, world.normals[walkers.triangles]) > 0
     both = emitters.both_sides[np.maximum(source, 0)] if len(emitters.areas) else np.zeros_like(front)
-    return (source >= 0) & (front | both)
+    return np.asarray((source >= 0) & (front | both))
 
 
 def _places(
     scene: Scene, labels: IntArray, patches: IntArray, sides: IntArray, seed: int
 ) -> tuple[Receivers, IntArray]:
-    """Places drawn by area on the sides in question, and which of these (index into ``patches``) each is on."""
+    """Draw places by area on the sides in question; also which side (index into ``patches``) each is on."""
     rng = np.random.default_rng((seed, PLACES_PER_SIDE))
     order = np.argsort(labels, kind="stable")
     reach = np.cumsum(triangle_areas(scene.corners)[order])

@@ -69,7 +69,9 @@ def stored_degree(material: Material) -> int:
 
 def _channels(scene: Scene) -> tuple[int, Decision]:
     coloured = [m.name for m in scene.materials if not _grey(m)]
-    coloured += [lamp.name for lamp in scene.luminaires if np.ptp(lamp.intensity) > _tolerance(lamp.intensity)]
+    coloured += [
+        lamp.name for lamp in scene.luminaires if np.ptp(lamp.intensity) > _tolerance(lamp.intensity)
+    ]
     if not coloured:
         return 1, Decision("channels", "1 (grey)", "all reflectances and emissions have equal components")
     named = ", ".join(coloured[:3]) + (" and others" if len(coloured) > 3 else "")

@@ -64,8 +64,13 @@ def surface_receivers(mesh: NodeMesh, material_degrees: IntArray) -> Receivers:
     )
 
 
-def space_receivers(points: FloatArray, normals: FloatArray) -> Receivers:
-    """Receivers in free space; the normals (r, 3) say on which plane illuminance is measured."""
+def space_receivers(points: FloatArray, normals: FloatArray, *, doublings: int = 0) -> Receivers:
+    """Receivers in free space; the normals (r, 3) say on which plane illuminance is measured.
+
+    Parameters
+    ----------
+    doublings : how much more often, as power of two, they sample than nodes do
+    """
     none = np.zeros(len(points), dtype=np.int64)
     return Receivers(
         points=points,
@@ -76,8 +81,8 @@ def space_receivers(points: FloatArray, normals: FloatArray) -> Receivers:
         materials=none - 1,
         identity=np.arange(len(points)),
         clear_share=np.zeros(len(points)),
-        direct_doublings=none,
-        near_doublings=none,
+        direct_doublings=none + doublings,
+        near_doublings=none + doublings,
     )
 
 

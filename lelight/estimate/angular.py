@@ -1,7 +1,7 @@
 """How a glossy node keeps the angular distribution of what it reflects: in harmonics or on a grid.
 
-Both collect arriving light, contribution by contribution, and end as coefficients of the reflected radiance in
-spherical harmonics of the node's local frame; emitters are left out, their highlights are added when a
+Both collect arriving light, contribution by contribution, and end as coefficients of the reflected radiance
+in spherical harmonics of the node's local frame; emitters are left out, their highlights are added when a
 direction is evaluated.
 """
 
@@ -21,8 +21,8 @@ from lelight.harmonics.indices import terms
 from lelight.harmonics.projection import project_groups
 from lelight.harmonics.zonal import reflected
 from lelight.receivers import Receivers
-from lelight.tracing.reflection import Reflectances
 from lelight.scene import FloatArray, IntArray
+from lelight.tracing.reflection import Reflectances
 
 
 class AngularDetail(Protocol):
@@ -138,12 +138,10 @@ class GridDetail:
 def _kept_specular(receivers: Receivers, reflectances: Reflectances, material: int) -> FloatArray:
     """Ks (C,) of a material, zero where its nodes keep no angular detail."""
     detailed = receivers.degrees[receivers.materials == material][0] > 0
-    return reflectances.specular[material] * float(detailed)
+    return np.asarray(reflectances.specular[material] * float(detailed))
 
 
-def _sorted(
-    receivers: Receivers, arrivals: tuple[Arrivals, ...]
-) -> tuple[IntArray, FloatArray, FloatArray]:
+def _sorted(receivers: Receivers, arrivals: tuple[Arrivals, ...]) -> tuple[IntArray, FloatArray, FloatArray]:
     """Arrivals by receiver, in their order: owner (k,), local directions (k, 3), irradiance (k, C)."""
     owner = np.concatenate([a.receiver for a in arrivals])
     order = np.argsort(owner, kind="stable")
@@ -155,7 +153,14 @@ def _sorted(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _reflect_to_grid(kept, owner, axes, irradiance, exponents, directions):
+def _reflect_to_grid(
+    kept: FloatArray,
+    owner: IntArray,
+    axes: FloatArray,
+    irradiance: FloatArray,
+    exponents: FloatArray,
+    directions: FloatArray,
+) -> None:
     """Add (n + 2) / (2 pi) cos^n of every arrival to all directions (d, 3) of its receiver."""
     for k in range(len(owner)):
         r = owner[k]

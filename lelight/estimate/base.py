@@ -1,8 +1,8 @@
 """A first field, solved on the mesh, that the estimate stands on.
 
 Each node sends out rays once; where they meet the mesh they are rows of a sparse operator A, and the field
-e = E_direct + A e is iterated to its end at almost no cost. It is a draft: it carries the noise of its rays and
-the error of interpolation. The batches put that right, whatever it is: they estimate what is missing.
+e = E_direct + A e is iterated to its end at almost no cost. It is a draft: it carries the noise of its rays
+and the error of interpolation. The batches put that right, whatever it is: they estimate what is missing.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class BaseField:
         return np.asarray(np.einsum("kj,kjc->kc", weights, self.illuminance[nodes]))
 
     def luminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
-        """What the Lambertian lobes make of it (k, C), cd/m²."""
+        """Tell what the Lambertian lobes make of it (k, C), cd/m²."""
         reflectance = self.diffuse[self.materials[triangles]]
         return reflectance * self.illuminance_at(triangles, points, front) / math.pi
 
@@ -123,7 +123,7 @@ def _stacked(parts: list[csr_array], columns: int) -> csr_array:
 
 
 def _iterate(operator: csr_array, direct: FloatArray, albedo: FloatArray) -> FloatArray:
-    """Fixed point e = direct + A (albedo e), (n, C)."""
+    """Find the fixed point e = direct + A (albedo e), (n, C)."""
     illuminance = direct
     for _ in range(MOST_ITERATIONS):
         following = direct + operator @ (albedo * illuminance)

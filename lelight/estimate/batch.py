@@ -1,7 +1,8 @@
 """One batch: an independent, unbiased estimate of the light at all receivers.
 
 Batch k depends on ``(seed, k)`` only. Receivers are worked on in blocks, by as many threads as there are, and
-every receiver adds its contributions in the same order whatever the blocks and threads: the bits do not change.
+every receiver adds its contributions in the same order whatever the blocks and threads: the bits do not
+change.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ from time import perf_counter
 
 import numpy as np
 
-from lelight.tracing.chains import ChainVertices, emission_chains
 from lelight.estimate.angular import AngularDetail
 from lelight.estimate.base import BaseField
 from lelight.estimate.defect import defect_chains
@@ -22,6 +22,7 @@ from lelight.estimate.local import Arrivals, LocalEstimate, local_estimate
 from lelight.estimate.nearfield import near_field
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import FloatArray, IntArray
+from lelight.tracing.chains import ChainVertices, emission_chains
 from lelight.tracing.world import World
 
 #: Receivers in a block: enough for coherent rays, few enough for memory and for all threads to have work.
@@ -95,7 +96,9 @@ def estimate_batch(
     )
     batch = _assembled(receivers, blocks, parts, world.channels, detail)
     batch.seconds["chains"] = chain_seconds
-    return Batch(batch.direct, batch.indirect, batch.angular, len(vertices), batch.rays + len(vertices), batch.seconds)
+    return Batch(
+        batch.direct, batch.indirect, batch.angular, len(vertices), batch.rays + len(vertices), batch.seconds
+    )
 
 
 def chain_vertices(

@@ -13,6 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lelight.estimate.base import BaseField
+from lelight.estimate.direct import direct_light
+from lelight.estimate.nearfield import near_field
+from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
+from lelight.scene import BoolArray, FloatArray, IntArray, triangle_areas
 from lelight.tracing.chains import (
     DIFFUSE_LOBE,
     REFLECTION_DIMENSIONS,
@@ -25,12 +30,7 @@ from lelight.tracing.chains import (
     joined,
     walk_on,
 )
-from lelight.estimate.base import BaseField
-from lelight.estimate.direct import direct_light
-from lelight.estimate.nearfield import near_field
-from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.tracing.sampling import cosine_directions, sobol
-from lelight.scene import BoolArray, FloatArray, IntArray, triangle_areas
 from lelight.tracing.world import World
 
 #: Rays to emitters and into the room that estimate the defect where a chain starts, as power of two.
@@ -52,14 +52,11 @@ class _Faces:
     def drawn(self, u: FloatArray) -> IntArray:
         """Face (k,) for uniform numbers (k,)."""
         cumulative = np.cumsum(self.probability)
-        return np.minimum(
-            np.searchsorted(cumulative, u * cumulative[-1], side="right"), len(cumulative) - 1
-        )
+        found = np.searchsorted(cumulative, u * cumulative[-1], side="right")
+        return np.asarray(np.minimum(found, len(cumulative) - 1))
 
 
-def defect_chains(
-    world: World, base: BaseField, *, log2_chains: int, seed: tuple[int, ...]
-) -> ChainVertices:
+def defect_chains(world: World, base: BaseField, *, log2_chains: int, seed: tuple[int, ...]) -> ChainVertices:
     """Vertices of chains that carry what ``base`` lacks; 2**log2_chains of each kind.
 
     Returns
@@ -77,16 +74,19 @@ def _points(log2_chains: int, seed: tuple[int, ...]) -> FloatArray:
     return sobol(dimensions, log2_count=log2_chains, seed=seed)
 
 
-def _lambertian(
-    world: World, base: BaseField, *, log2_chains: int, seed: tuple[int, ...]
-) -> ChainVertices:
+def _lambertian(world: World, base: BaseField, *, log2_chains: int, seed: tuple[int, ...]) -> ChainVertices:
     """Chains from surface points, by the defect of the base there."""
     points = _points(log2_chains, seed)
     start, area = _surface_points(world, base, points)
     receivers = with_surface(space_receivers(start.points, start.normals))
     direct, _ = direct_light(world, receivers, log2_samples=LOG2_DEFECT_RAYS, seed=(*seed, DEFECT_DIRECT))
     gathered, _, _ = near_field(
-        world, receivers, bound=math.inf, log2_samples=LOG2_DEFECT_RAYS, seed=(*seed, DEFECT_GATHER), base=base
+        world,
+        receivers,
+        bound=math.inf,
+        log2_samples=LOG2_DEFECT_RAYS,
+        seed=(*seed, DEFECT_GATHER),
+        base=base,
     )
     assumed = base.illuminance_at(start.triangles, start.points, start.front)
     defect = direct[:, ILLUMINANCE] + gathered[:, ILLUMINANCE] - assumed
@@ -139,7 +139,7 @@ def _share_of_dark(weight: FloatArray, lit: BoolArray) -> float:
 
 
 def _glossy(world: World, base: BaseField, *, log2_chains: int, seed: tuple[int, ...]) -> ChainVertices:
-    """Chains from emitters and from the base's own radiance, of which only glossy reflection is kept at first."""
+    """Chains from emitters and the base's own radiance; of their first reflection only gloss is kept."""
     from_emitters = _points(log2_chains, (*seed, 1))
     origins, directions, flux = emit(world.emitters, from_emitters, world.caster.offset)
     from_base = _points(log2_chains, (*seed, 2))
@@ -166,4 +166,3 @@ def _emit_base(
     directions = cosine_directions(numbers[:, 3:5], start.normals)
     origins = world.caster.leave(start.points, start.normals)
     return origins, directions, math.pi * luminance * area[:, None]
-

@@ -1,9 +1,9 @@
 """Light that comes straight from the emitters, sampled from the receiver's side.
 
-Sources are drawn by what they can give at the receiver and luminous triangles by solid angle, so a lamp costs a
-few rays however near it is. The unshadowed illuminance is known in closed form; a share of it, chosen
-beforehand, is taken from there and only the difference is sampled (a control variate). Where nothing is in the
-way, no noise is left.
+Sources are drawn by what they can give at the receiver and luminous triangles by solid angle, so a lamp costs
+a few rays however near it is. The unshadowed illuminance is known in closed form; a share of it, chosen
+beforehand, is taken from there and only the difference is sampled (a control variate). Where nothing is in
+the way, no noise is left.
 """
 
 from __future__ import annotations
@@ -13,13 +13,21 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
-from lelight.tracing.chains import hash_of
-from lelight.tracing.emitters import LOCAL_CHOICE_LIMIT, choice_cdf, chosen, source_strength, toward, unshadowed
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
 from lelight.receivers import ILLUMINANCE, MOMENTS, Receivers
+from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.tracing.chains import hash_of
+from lelight.tracing.emitters import (
+    LOCAL_CHOICE_LIMIT,
+    Emitters,
+    choice_cdf,
+    chosen,
+    source_strength,
+    toward,
+    unshadowed,
+)
 from lelight.tracing.sampling import mix, rotated, sobol, uniform
-from lelight.scene import FloatArray
 from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
@@ -80,17 +88,28 @@ class _Drawn:
 def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint64) -> _Drawn:
     drawn = _Drawn(len(receivers) * len(numbers), len(receivers), world.channels)
     count = _draw_rays(
-        world.emitters, receivers.points, receivers.normals, receivers.on_surface, numbers,
-        receivers.identity, receivers.clear_share, key, world.caster.offset,
-        drawn.arrivals.receiver, drawn.arrivals.directions, drawn.arrivals.radiance_solid_angle,
-        drawn.origins, drawn.ends, drawn.unshadowed,
+        world.emitters,
+        receivers.points,
+        receivers.normals,
+        receivers.on_surface,
+        numbers,
+        receivers.identity,
+        receivers.clear_share,
+        key,
+        world.caster.offset,
+        drawn.arrivals.receiver,
+        drawn.arrivals.directions,
+        drawn.arrivals.radiance_solid_angle,
+        drawn.origins,
+        drawn.ends,
+        drawn.unshadowed,
     )
     drawn.cut(count)
     return drawn
 
 
 def _correct(moments: FloatArray, receivers: Receivers, drawn: _Drawn, light: FloatArray) -> None:
-    """Add share x (closed form - all samples, blocked or not), whose expectation is zero, to the illuminance."""
+    """Add share x (closed form - all samples, blocked or not) to the illuminance; its expectation is 0."""
     owner = drawn.arrivals.receiver
     cos_theta = np.einsum("kx,kx->k", drawn.arrivals.directions, receivers.normals[owner])
     sampled = np.zeros_like(drawn.unshadowed)
@@ -99,7 +118,7 @@ def _correct(moments: FloatArray, receivers: Receivers, drawn: _Drawn, light: Fl
 
 
 @njit(**_COMPILED)
-def _add_rows(total, owner, rows):
+def _add_rows(total: FloatArray, owner: IntArray, rows: FloatArray) -> None:
     for k in range(len(owner)):
         for c in range(rows.shape[1]):
             total[owner[k], c] += rows[k, c]
@@ -107,9 +126,22 @@ def _add_rows(total, owner, rows):
 
 @njit(**_COMPILED)
 def _draw_rays(
-    emitters, points, normals, on_surface, numbers, identity, clear_share, key, offset,
-    receiver, directions, light, origins, ends, closed_form,
-):
+    emitters: Emitters,
+    points: FloatArray,
+    normals: FloatArray,
+    on_surface: BoolArray,
+    numbers: FloatArray,
+    identity: IntArray,
+    clear_share: FloatArray,
+    key: np.uint64,
+    offset: float,
+    receiver: IntArray,
+    directions: FloatArray,
+    light: FloatArray,
+    origins: FloatArray,
+    ends: FloatArray,
+    closed_form: FloatArray,
+) -> int:
     """Draw the shadow rays of each receiver; returns how many carry light."""
     count = 0
     scratch = np.empty(len(emitters.power))

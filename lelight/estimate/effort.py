@@ -2,8 +2,8 @@
 
 The error of a batch has three parts, the chains', the emitters' and the near field's. Trial batches tell the
 variance of each at every receiver. Receivers sample direct light and near field in proportion to the root of
-their variance, and so do the parts to the root of their variance over cost: that reaches a given error with the
-fewest rays. The trials are no part of the result, so it stays unbiased.
+their variance, and so do the parts to the root of their variance over cost: that reaches a given error with
+the fewest rays. The trials are no part of the result, so it stays unbiased.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Spread:
 
 
 def bound_for(area: float, chains: float, *, on_base: bool) -> float:
-    """Bound b in 1/m² of the split kernel: 1/(4 s)², s the spacing of the chains' feet on the scene's area."""
+    """Bound b in 1/m² of the split kernel: 1/(4 s)², s the spacing of chains on the scene's area."""
     return chains / (16.0 * area) * (BASE_BOUND_FACTOR if on_base else 1.0)
 
 
@@ -85,15 +85,17 @@ def choose_effort(
     receivers : the same, each with its own share of the samples
     """
     chains = 1024.0 if base is not None else 8192.0
-    spread = _spread(world, receivers, base, bound_for(world.area, chains, on_base=base is not None), areas, seed, executor)
+    bound = bound_for(world.area, chains, on_base=base is not None)
+    spread = _spread(world, receivers, base, bound, areas, seed, executor)
     direct, near = _doublings(spread.variance[1]), _doublings(spread.variance[2])
     spent = np.stack([np.ones(len(receivers)), 2.0**direct, 2.0**near])
     variance = np.average(spread.variance / spent, axis=1, weights=areas)
     samples = _samples(variance, spread.cost * spent.mean(axis=1), target)
     log2 = [round(float(np.log2(max(1.0, count / WANTED_BATCHES)))) for count in samples]
-    log2 = [min(max(least, each), MOST) for each, least in zip(log2, LEAST, strict=True)]
-    bound = bound_for(world.area, WANTED_BATCHES * 2.0 ** log2[0], on_base=base is not None)
-    return Effort(*log2, bound=bound), replace(receivers, direct_doublings=direct, near_doublings=near)
+    log2_chains, log2_direct, log2_near = np.clip(log2, LEAST, MOST).tolist()
+    bound = bound_for(world.area, WANTED_BATCHES * 2.0**log2_chains, on_base=base is not None)
+    effort = Effort(log2_chains, log2_direct, log2_near, bound)
+    return effort, replace(receivers, direct_doublings=direct, near_doublings=near)
 
 
 def _doublings(variance: FloatArray) -> IntArray:
@@ -103,11 +105,11 @@ def _doublings(variance: FloatArray) -> IntArray:
         return np.zeros(len(variance), dtype=np.int64)
     share = np.sqrt((1.0 - CAUTION) * variance + CAUTION * typical)
     doublings = np.rint(np.log2(share / share.mean()))
-    return np.clip(doublings, -MOST_DOUBLINGS, MOST_DOUBLINGS).astype(np.int64)
+    return np.asarray(np.clip(doublings, -MOST_DOUBLINGS, MOST_DOUBLINGS), dtype=np.int64)
 
 
 def _samples(variance: FloatArray, cost: FloatArray, target: float) -> FloatArray:
-    """Samples of each part (3,) that together reach the target with the fewest rays."""
+    """Count the samples of each part (3,) that together reach the target with the fewest rays."""
     variance, cost = np.maximum(variance, 1e-12), np.maximum(cost, 1e-3)
     return np.asarray(np.sqrt(variance / cost) * np.sqrt(variance * cost).sum() / target**2)
 

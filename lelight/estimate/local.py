@@ -13,12 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from lelight.tracing.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
 from lelight.estimate.moments import add_arrival
 from lelight.receivers import MOMENTS, Receivers
-from lelight.tracing.reflection import lobe
+from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.tracing.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
+from lelight.tracing.rays import Float32Array
+from lelight.tracing.reflection import Reflectances, lobe
 from lelight.tracing.sampling import mirrored
-from lelight.scene import FloatArray, IntArray
 from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
@@ -62,7 +63,7 @@ class LocalEstimate:
 def local_estimate(
     world: World, receivers: Receivers, *, vertices: ChainVertices, bound: float
 ) -> LocalEstimate:
-    """Let all vertices light all receivers, through shadow rays, with the kernel bounded by ``bound`` (1/m²)."""
+    """Let all vertices light all receivers through shadow rays, the kernel bounded by ``bound`` (1/m²)."""
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
     kept: list[Arrivals] = []
     rays = 0
@@ -84,13 +85,11 @@ class _Pairs:
     receiver: IntArray
     diffuse: FloatArray
     specular: FloatArray
-    origins: np.ndarray[tuple[int, int], np.dtype[np.float32]]
-    segments: np.ndarray[tuple[int, int], np.dtype[np.float32]]
+    origins: Float32Array
+    segments: Float32Array
 
 
-def _pairs(
-    world: World, receivers: Receivers, vertices: ChainVertices, chunk: slice, bound: float
-) -> _Pairs:
+def _pairs(world: World, receivers: Receivers, vertices: ChainVertices, chunk: slice, bound: float) -> _Pairs:
     number = np.arange(len(vertices))[chunk]
     room = len(number) * len(receivers)
     pairs = _Pairs(
@@ -103,25 +102,60 @@ def _pairs(
     )
     caster = world.caster
     count = _list_pairs(
-        number, vertices.points, vertices.normals, vertices.incoming, vertices.materials, vertices.lobes,
+        number,
+        vertices.points,
+        vertices.normals,
+        vertices.incoming,
+        vertices.materials,
+        vertices.lobes,
         world.reflectances,
-        receivers.points, receivers.normals, receivers.on_surface, bound,
-        caster.centre, caster.scale, caster.offset,
-        pairs.vertex, pairs.receiver, pairs.diffuse, pairs.specular, pairs.origins, pairs.segments,
+        receivers.points,
+        receivers.normals,
+        receivers.on_surface,
+        bound,
+        caster.centre,
+        caster.scale,
+        caster.offset,
+        pairs.vertex,
+        pairs.receiver,
+        pairs.diffuse,
+        pairs.specular,
+        pairs.origins,
+        pairs.segments,
     )
     return _Pairs(
-        pairs.vertex[:count], pairs.receiver[:count], pairs.diffuse[:count], pairs.specular[:count],
-        pairs.origins[:count], pairs.segments[:count],
+        pairs.vertex[:count],
+        pairs.receiver[:count],
+        pairs.diffuse[:count],
+        pairs.specular[:count],
+        pairs.origins[:count],
+        pairs.segments[:count],
     )
 
 
 @njit(**_COMPILED)
 def _list_pairs(
-    number, points, normals, incoming, materials, lobes, reflectances,
-    at, at_normals, on_surface, bound,
-    centre, scale, offset,
-    out_vertex, out_receiver, out_diffuse, out_specular, out_origins, out_segments,
-):
+    number: IntArray,
+    points: FloatArray,
+    normals: FloatArray,
+    incoming: FloatArray,
+    materials: IntArray,
+    lobes: IntArray,
+    reflectances: Reflectances,
+    at: FloatArray,
+    at_normals: FloatArray,
+    on_surface: BoolArray,
+    bound: float,
+    centre: FloatArray,
+    scale: float,
+    offset: float,
+    out_vertex: IntArray,
+    out_receiver: IntArray,
+    out_diffuse: FloatArray,
+    out_specular: FloatArray,
+    out_origins: Float32Array,
+    out_segments: Float32Array,
+) -> int:
     """Write the pairs that can exchange light, with their kernel and their ray in embree's coordinates."""
     count = 0
     for i in number:
@@ -150,9 +184,9 @@ def _list_pairs(
             square = dx * dx + dy * dy + dz * dz
             distance = math.sqrt(square)
             if on_surface[r]:
-                cos_receiver = -(
-                    dx * at_normals[r, 0] + dy * at_normals[r, 1] + dz * at_normals[r, 2]
-                ) / distance
+                cos_receiver = (
+                    -(dx * at_normals[r, 0] + dy * at_normals[r, 1] + dz * at_normals[r, 2]) / distance
+                )
                 if cos_receiver <= 0.0:
                     continue
                 lift = offset
@@ -178,20 +212,44 @@ def _list_pairs(
 
 
 def _gather(
-    moments: FloatArray, receivers: Receivers, vertices: ChainVertices, pairs: _Pairs, clear: IntArray,
+    moments: FloatArray,
+    receivers: Receivers,
+    vertices: ChainVertices,
+    pairs: _Pairs,
+    clear: IntArray,
     world: World,
 ) -> None:
     _add_pairs(
-        moments, clear, pairs.vertex, pairs.receiver, pairs.diffuse, pairs.specular,
-        vertices.points, vertices.flux, vertices.materials, world.reflectances,
-        receivers.points, receivers.normals,
+        moments,
+        clear,
+        pairs.vertex,
+        pairs.receiver,
+        pairs.diffuse,
+        pairs.specular,
+        vertices.points,
+        vertices.flux,
+        vertices.materials,
+        world.reflectances,
+        receivers.points,
+        receivers.normals,
     )
 
 
 @njit(**_COMPILED)
 def _add_pairs(
-    moments, clear, vertex, receiver, diffuse, specular, points, flux, materials, reflectances, at, at_normals
-):
+    moments: FloatArray,
+    clear: IntArray,
+    vertex: IntArray,
+    receiver: IntArray,
+    diffuse: FloatArray,
+    specular: FloatArray,
+    points: FloatArray,
+    flux: FloatArray,
+    materials: IntArray,
+    reflectances: Reflectances,
+    at: FloatArray,
+    at_normals: FloatArray,
+) -> None:
     """Sum the unblocked pairs into the moments (r, 6, C), in order of vertices."""
     for k in clear:
         i, r = vertex[k], receiver[k]

@@ -1,8 +1,8 @@
 """Sums of arriving light: illuminance, scalar illuminance, light vector, cylindrical illuminance.
 
-Each arrival is a direction w toward the light and its radiance times solid angle, L dw. A row of the moments is
-an integral over directions: plane (L cos+ dw), scalar (L dw / 4), vector (L w dw), cylindrical (L sin dw / pi,
-the angle taken from the scene's vertical).
+Each arrival is a direction w toward the light and its radiance times solid angle, L dw. A row of the moments
+is an integral over directions: plane (L cos+ dw), scalar (L dw / 4), vector (L w dw), cylindrical (L sin dw /
+pi, the angle taken from the scene's vertical).
 """
 
 from __future__ import annotations
@@ -12,12 +12,21 @@ import math
 from numba import njit
 
 from lelight.receivers import CYLINDRICAL, ILLUMINANCE, SCALAR, VECTOR
+from lelight.scene import FloatArray, IntArray
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
 @njit(**_COMPILED)
-def add_arrival(moments, channel, wx, wy, wz, cos_theta, radiance_solid_angle):
+def add_arrival(
+    moments: FloatArray,
+    channel: int,
+    wx: float,
+    wy: float,
+    wz: float,
+    cos_theta: float,
+    radiance_solid_angle: float,
+) -> None:
     """Add one arrival to a receiver's moments (6, C).
 
     Parameters
@@ -36,7 +45,13 @@ def add_arrival(moments, channel, wx, wy, wz, cos_theta, radiance_solid_angle):
 
 
 @njit(**_COMPILED)
-def add_arrivals(moments, receiver, directions, normals, radiance_solid_angle):
+def add_arrivals(
+    moments: FloatArray,
+    receiver: IntArray,
+    directions: FloatArray,
+    normals: FloatArray,
+    radiance_solid_angle: FloatArray,
+) -> None:
     """Add arrivals (k,) to the moments (r, 6, C) of their receivers, in order.
 
     Parameters

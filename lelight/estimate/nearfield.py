@@ -1,8 +1,9 @@
 """The near field: what the bounded kernel of the chains leaves out, gathered from the receiver's side.
 
-Rays leave the receiver (cosine-distributed on a surface; in space half of them so, half uniformly); where they meet a surface so near
-that the kernel exceeds its bound, paths bring the rest of what that surface reflects. In open space almost no
-ray meets anything that near, and a ray is all it costs. With the bound at zero this is plain path tracing.
+Rays leave the receiver (cosine-distributed on a surface; in space half of them so, half uniformly); where
+they meet a surface so near that the kernel exceeds its bound, paths bring the rest of what that surface
+reflects. In open space almost no ray meets anything that near, and a ray is all it costs. With the bound at
+zero this is plain path tracing.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ from typing import Protocol
 import numpy as np
 from numba import njit
 
-from lelight.tracing.chains import hash_of
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
 from lelight.estimate.paths import (
@@ -27,8 +27,9 @@ from lelight.estimate.paths import (
     rotated_numbers,
 )
 from lelight.receivers import MOMENTS, Receivers
-from lelight.tracing.sampling import cosine_direction, sobol, sphere_direction, to_axis
 from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.tracing.chains import hash_of
+from lelight.tracing.sampling import cosine_direction, sobol, sphere_direction, to_axis
 from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
@@ -84,9 +85,7 @@ def near_field(
     if base is not None:
         radiance[gathered.number] += _bounded_base(world, base, gathered, bound)
     lit = np.flatnonzero(radiance.any(axis=1))
-    arrivals = Arrivals(
-        lit // len(table), directions[lit], radiance[lit] * factor[lit, None] / len(table)
-    )
+    arrivals = Arrivals(lit // len(table), directions[lit], radiance[lit] * factor[lit, None] / len(table))
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
     add_arrivals(
         moments, arrivals.receiver, arrivals.directions, receivers.normals, arrivals.radiance_solid_angle
@@ -127,7 +126,14 @@ def _directions(receivers: Receivers, numbers: FloatArray, samples: int) -> tupl
 
 
 @njit(**_COMPILED)
-def _draw_directions(normals, on_surface, numbers, samples, directions, solid_angles):
+def _draw_directions(
+    normals: FloatArray,
+    on_surface: BoolArray,
+    numbers: FloatArray,
+    samples: int,
+    directions: FloatArray,
+    solid_angles: FloatArray,
+) -> None:
     for k in range(len(numbers)):
         r = k // samples
         u, v = numbers[k, 0], numbers[k, 1]
@@ -144,9 +150,7 @@ def _draw_directions(normals, on_surface, numbers, samples, directions, solid_an
         solid_angles[k] = 1.0 / density
 
 
-def _first_surfaces(
-    world: World, receivers: Receivers, receiver: IntArray, directions: FloatArray
-) -> Paths:
+def _first_surfaces(world: World, receivers: Receivers, receiver: IntArray, directions: FloatArray) -> Paths:
     """Surfaces that the first rays meet, with the kernel G to them."""
     lift = np.where(receivers.on_surface, world.caster.offset, 0.0)[:, None] * receivers.normals
     origins = (receivers.points + lift)[receiver]
@@ -156,7 +160,7 @@ def _first_surfaces(
 
 
 def _bounded_base(world: World, base: SurfaceLuminance, paths: Paths, bound: float) -> FloatArray:
-    """The base's luminance (k, C) times the share of the kernel below the bound, min(1, b/G)."""
+    """Take the base's luminance (k, C) times the share of the kernel below the bound, min(1, b/G)."""
     front = np.einsum("kx,kx->k", paths.normals, world.normals[paths.triangles]) > 0
     luminance = base.luminance_at(paths.triangles, paths.points, front)
     return luminance * np.minimum(1.0, bound / np.maximum(paths.geometry, 1e-300))[:, None]

@@ -1,8 +1,8 @@
 """Paths from the receiver's side: what a surface reflects toward the point that looks at it.
 
-A path goes from surface to surface; at each it draws a source (next-event estimation) and a lobe to go on with.
-The Lambertian lobe takes its direct light from the drawn source only; the Phong lobe combines it with what its
-own direction meets, by the balance heuristic (Veach & Guibas 1995).
+A path goes from surface to surface; at each it draws a source (next-event estimation) and a lobe to go on
+with. The Lambertian lobe takes its direct light from the drawn source only; the Phong lobe combines it with
+what its own direction meets, by the balance heuristic (Veach & Guibas 1995).
 
 The first surface may be split: of its kernel only the part above a bound counts, max(0, 1 - b/G) for the
 Lambertian lobe and max(0, 1 - b/(pi lobe G)) for the Phong lobe. The rest is the chains' (`local`).
@@ -16,10 +16,26 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from lelight.tracing.emitters import chosen, drawn_density, rough_cdf, shines, source_strength, toward
-from lelight.tracing.reflection import lobe, lobe_density
-from lelight.tracing.sampling import cosine_direction, lobe_direction, mirrored, mix, rotated, to_axis, uniform
-from lelight.scene import FloatArray, IntArray
+from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.tracing.emitters import (
+    Emitters,
+    chosen,
+    drawn_density,
+    rough_cdf,
+    shines,
+    source_strength,
+    toward,
+)
+from lelight.tracing.reflection import Reflectances, lobe, lobe_density
+from lelight.tracing.sampling import (
+    cosine_direction,
+    lobe_direction,
+    mirrored,
+    mix,
+    rotated,
+    to_axis,
+    uniform,
+)
 from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
@@ -57,7 +73,9 @@ class Paths:
         """Stand at surface points (k, 3) whose material does not matter, looking along the normals."""
         none = np.zeros(len(points), dtype=np.int64)
         ones = np.ones((len(points), channels))
-        return cls(np.arange(len(points)), points, normals, normals, none, none, ones, np.full(len(points), np.inf))
+        return cls(
+            np.arange(len(points)), points, normals, normals, none, none, ones, np.full(len(points), np.inf)
+        )
 
 
 def meet(
@@ -86,8 +104,14 @@ def meet(
 def chosen_paths(paths: Paths, kept: IntArray) -> Paths:
     """Keep some of the paths."""
     return Paths(
-        paths.number[kept], paths.points[kept], paths.normals[kept], paths.outgoing[kept],
-        paths.materials[kept], paths.triangles[kept], paths.throughput[kept], paths.geometry[kept],
+        paths.number[kept],
+        paths.points[kept],
+        paths.normals[kept],
+        paths.outgoing[kept],
+        paths.materials[kept],
+        paths.triangles[kept],
+        paths.throughput[kept],
+        paths.geometry[kept],
     )
 
 
@@ -141,7 +165,7 @@ def hashed_numbers(key: np.uint64, identity: IntArray, depth: int) -> FloatArray
 
 
 @njit(**_COMPILED)
-def _fill(key, identity, depth, out):
+def _fill(key: np.uint64, identity: IntArray, depth: int, out: FloatArray) -> None:
     for k in range(len(identity)):
         own = mix(mix(key, np.uint64(identity[k])), np.uint64(depth))
         for d in range(out.shape[1]):
@@ -149,8 +173,8 @@ def _fill(key, identity, depth, out):
 
 
 @njit(**_COMPILED)
-def rotated_numbers(table, key, identity, out):
-    """Quasi-random numbers (r * s, d): the table (s, d) once a receiver, rotated by a hash of its identity."""
+def rotated_numbers(table: FloatArray, key: np.uint64, identity: IntArray, out: FloatArray) -> None:
+    """Write the table (s, d) once a receiver into out (r * s, d), rotated by a hash of its identity."""
     count = len(table)
     for r in range(len(identity)):
         own = mix(key, np.uint64(identity[r]))
@@ -161,7 +185,7 @@ def rotated_numbers(table, key, identity, out):
 
 
 @njit(**_COMPILED)
-def _above(bound, kernel):
+def _above(bound: float, kernel: float) -> float:
     """Share of a kernel that lies above the bound."""
     if bound <= 0.0:
         return 1.0
@@ -169,24 +193,30 @@ def _above(bound, kernel):
 
 
 @njit(**_COMPILED)
-def lobe_shares(reflectances, material, bound, geometry):
+def lobe_shares(
+    reflectances: Reflectances, material: int, bound: float, geometry: float
+) -> tuple[float, float]:
     """Shares of kd and ks above the bound; for the Phong lobe an upper limit, reached at its peak."""
     n = reflectances.exponent[material]
     return _above(bound, geometry), _above(bound, 0.5 * (n + 2.0) * geometry)
 
 
 @njit(**_COMPILED)
-def lobe_probability(reflectances, material, share_diffuse, share_specular):
+def lobe_probability(
+    reflectances: Reflectances, material: int, share_diffuse: float, share_specular: float
+) -> float:
     """Probability of going on with the Lambertian lobe; negative where neither lobe has anything to give."""
     diffuse = reflectances.diffuse_share[material] * share_diffuse
     specular = reflectances.specular_share[material] * share_specular
     if diffuse + specular <= 0.0:
         return -1.0
-    return diffuse / (diffuse + specular)
+    return float(diffuse / (diffuse + specular))
 
 
 @njit(**_COMPILED)
-def list_near(reflectances, materials, geometry, bound):
+def list_near(
+    reflectances: Reflectances, materials: IntArray, geometry: FloatArray, bound: float
+) -> BoolArray:
     """Mark the first surfaces of which anything lies above the bound."""
     near = np.zeros(len(materials), dtype=np.bool_)
     for k in range(len(materials)):
@@ -202,8 +232,20 @@ def _add_drawn_sources(
     light = np.zeros_like(paths.throughput)
     origins, ends = np.empty_like(paths.points), np.empty_like(paths.points)
     _draw_sources(
-        world.emitters, world.reflectances, paths.points, paths.normals, paths.outgoing, paths.materials,
-        paths.throughput, paths.geometry, bound, numbers, world.caster.offset, light, origins, ends,
+        world.emitters,
+        world.reflectances,
+        paths.points,
+        paths.normals,
+        paths.outgoing,
+        paths.materials,
+        paths.throughput,
+        paths.geometry,
+        bound,
+        numbers,
+        world.caster.offset,
+        light,
+        origins,
+        ends,
     )
     lit = np.flatnonzero(light.max(axis=1) > 0.0)
     clear = lit[world.caster.visible(origins[lit], ends[lit])]
@@ -211,9 +253,7 @@ def _add_drawn_sources(
     return len(lit)
 
 
-def shadow_rays(
-    world: World, places: Paths, numbers: FloatArray
-) -> tuple[IntArray, FloatArray, FloatArray]:
+def shadow_rays(world: World, places: Paths, numbers: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
     """One shadow ray a place toward a drawn source: which places (l,) have one, origins and ends (k, 3)."""
     origins, ends = np.empty_like(places.points), np.empty_like(places.points)
     found = np.zeros(len(places.number), dtype=np.bool_)
@@ -224,7 +264,16 @@ def shadow_rays(
 
 
 @njit(**_COMPILED)
-def _draw_shadow_rays(emitters, points, normals, numbers, offset, found, origins, ends):
+def _draw_shadow_rays(
+    emitters: Emitters,
+    points: FloatArray,
+    normals: FloatArray,
+    numbers: FloatArray,
+    offset: float,
+    found: BoolArray,
+    origins: FloatArray,
+    ends: FloatArray,
+) -> None:
     cdf = np.empty(len(emitters.power))
     for k in range(len(points)):
         x, y, z = points[k]
@@ -244,9 +293,21 @@ def _draw_shadow_rays(emitters, points, normals, numbers, offset, found, origins
 
 @njit(**_COMPILED)
 def _draw_sources(
-    emitters, reflectances, points, normals, outgoing, materials, throughput, geometry, bound, numbers, offset,
-    light, origins, ends,
-):
+    emitters: Emitters,
+    reflectances: Reflectances,
+    points: FloatArray,
+    normals: FloatArray,
+    outgoing: FloatArray,
+    materials: IntArray,
+    throughput: FloatArray,
+    geometry: FloatArray,
+    bound: float,
+    numbers: FloatArray,
+    offset: float,
+    light: FloatArray,
+    origins: FloatArray,
+    ends: FloatArray,
+) -> None:
     cdf = np.empty(len(emitters.power))
     for k in range(len(points)):
         m = materials[k]
@@ -285,14 +346,26 @@ def _draw_sources(
 def _go_on(
     world: World, paths: Paths, bound: float, numbers: FloatArray, roulette: bool
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray]:
-    """Reflect the paths; origins, directions, throughput and lobe density of those (last array) that go on."""
+    """Reflect paths: origins, directions, throughput and lobe density of those that go on, named last."""
     directions = np.empty_like(paths.points)
     throughput = np.zeros_like(paths.throughput)
     density = np.zeros(len(paths.number))
     going = np.zeros(len(paths.number), dtype=np.bool_)
     _reflect_back(
-        world.reflectances, paths.normals, paths.outgoing, paths.materials, paths.throughput, paths.geometry,
-        bound, numbers, world.emitters.weights, roulette, directions, throughput, density, going,
+        world.reflectances,
+        paths.normals,
+        paths.outgoing,
+        paths.materials,
+        paths.throughput,
+        paths.geometry,
+        bound,
+        numbers,
+        world.emitters.weights,
+        roulette,
+        directions,
+        throughput,
+        density,
+        going,
     )
     kept = np.flatnonzero(going)
     origins = world.caster.leave(paths.points[kept], paths.normals[kept])
@@ -301,9 +374,21 @@ def _go_on(
 
 @njit(**_COMPILED)
 def _reflect_back(
-    reflectances, normals, outgoing, materials, throughput, geometry, bound, numbers, weights, roulette,
-    directions, onward, density, going,
-):
+    reflectances: Reflectances,
+    normals: FloatArray,
+    outgoing: FloatArray,
+    materials: IntArray,
+    throughput: FloatArray,
+    geometry: FloatArray,
+    bound: float,
+    numbers: FloatArray,
+    weights: FloatArray,
+    roulette: bool,
+    directions: FloatArray,
+    onward: FloatArray,
+    density: FloatArray,
+    going: BoolArray,
+) -> None:
     channels = throughput.shape[1]
     for k in range(len(normals)):
         m = materials[k]
@@ -347,15 +432,30 @@ def _add_met_emitters(
 ) -> None:
     """Add emission that Phong lobes met by themselves, weighted against drawing the same source."""
     _weigh_met_emitters(
-        world.emitters, left.points, left.normals, met.outgoing, met.triangles, met.throughput, density,
-        met.number, radiance,
+        world.emitters,
+        left.points,
+        left.normals,
+        met.outgoing,
+        met.triangles,
+        met.throughput,
+        density,
+        met.number,
+        radiance,
     )
 
 
 @njit(**_COMPILED)
 def _weigh_met_emitters(
-    emitters, points, normals, back, triangles, throughput, density, number, radiance
-):
+    emitters: Emitters,
+    points: FloatArray,
+    normals: FloatArray,
+    back: FloatArray,
+    triangles: IntArray,
+    throughput: FloatArray,
+    density: FloatArray,
+    number: IntArray,
+    radiance: FloatArray,
+) -> None:
     cdf = np.empty(len(emitters.power))
     for k in range(len(points)):
         source = emitters.of_triangle[triangles[k]]

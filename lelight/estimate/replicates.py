@@ -19,11 +19,11 @@ DARK_SHARE = 0.05
 
 @dataclass(frozen=True)
 class ErrorReached:
-    """Relative standard error of the illuminance, std_error / max(E, 5 % of the mean), over visible nodes by area.
+    """Relative standard error of the illuminance, std_error / max(E, 5 % of its mean), over visible nodes.
 
     Attributes
     ----------
-    rms : float, root mean square
+    rms : float, area-weighted root mean square
     p95, p99 : float, area-weighted percentiles
     """
 
@@ -40,8 +40,9 @@ class Replicates:
     ----------
     direct, indirect : (r, 6, C) float, sums over batches
     angular : (g, width, C) float, sum over batches
-    illuminance : list of (r,) float, luminance-weighted, one a batch
-    cylindrical, indirect_illuminance : likewise, of the receivers named by ``first_in_space`` on
+    mean, square : (r,) float, luminance-weighted illuminance: running mean, and sum of squared deviations
+    at_nodes : one (first_in_space,) float a batch, lx
+    in_space, indirect_in_space : one (r - first_in_space, 6) float a batch, luminance-weighted moments
     """
 
     first_in_space: int
@@ -50,6 +51,7 @@ class Replicates:
     angular: FloatArray = field(default_factory=lambda: np.zeros(0))
     square: FloatArray = field(default_factory=lambda: np.zeros(0))
     mean: FloatArray = field(default_factory=lambda: np.zeros(0))
+    at_nodes: list[FloatArray] = field(default_factory=list)
     in_space: list[FloatArray] = field(default_factory=list)
     indirect_in_space: list[FloatArray] = field(default_factory=list)
     count: int = 0
@@ -68,7 +70,9 @@ class Replicates:
         self.direct += batch.direct
         self.indirect += batch.indirect
         self.angular += batch.angular
-        self._add_square(luminance_weighted(batch.direct[:, ILLUMINANCE] + batch.indirect[:, ILLUMINANCE]))
+        illuminance = luminance_weighted(batch.direct[:, ILLUMINANCE] + batch.indirect[:, ILLUMINANCE])
+        self._add_square(illuminance)
+        self.at_nodes.append(illuminance[: self.first_in_space])
         space = slice(self.first_in_space, None)
         self.in_space.append(luminance_weighted(batch.direct[space] + batch.indirect[space]))
         self.indirect_in_space.append(luminance_weighted(batch.indirect[space]))

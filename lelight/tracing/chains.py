@@ -1,8 +1,8 @@
 """Chains: random walks of light, the Markov chain of equation (16).
 
 At every surface that a chain meets it leaves a vertex: a place with the light that arrives there. Each vertex
-then lights every node it sees; that is the local estimate. Chains begin at the emitters (`emission_chains`), or
-wherever else light is known to be missing (`estimate.defect`), and all go on alike (`walk_on`).
+then lights every node it sees; that is the local estimate. Chains begin at the emitters (`emission_chains`),
+or wherever else light is known to be missing (`estimate.defect`), and all go on alike (`walk_on`).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 
+from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.emitters import Emitters
 from lelight.tracing.reflection import Reflectances, diffuse_probability
 from lelight.tracing.sampling import (
@@ -25,7 +26,6 @@ from lelight.tracing.sampling import (
     to_axis,
     uniform,
 )
-from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
@@ -89,14 +89,16 @@ class ChainVertices:
 def emission_chains(world: World, *, log2_chains: int, seed: tuple[int, ...]) -> ChainVertices:
     """Send 2**log2_chains chains out of the emitters until all have died or left.
 
-    The flux of the vertices is normalised: one call is one unbiased estimate. Every vertex's weight is its flux
-    over the number of chains, divided by all probabilities of getting there.
+    The flux of the vertices is normalised: one call is one unbiased estimate. Every vertex's weight is its
+    flux over the number of chains, divided by all probabilities of getting there.
 
     Parameters
     ----------
     seed : integers that fix every random number of the walk
     """
-    points = sobol(START_DIMENSIONS + SOBOL_REFLECTIONS * REFLECTION_DIMENSIONS, log2_count=log2_chains, seed=seed)
+    points = sobol(
+        START_DIMENSIONS + SOBOL_REFLECTIONS * REFLECTION_DIMENSIONS, log2_count=log2_chains, seed=seed
+    )
     origins, directions, flux = emit(world.emitters, points, world.caster.offset)
     first, alive = arrive(world, origins, directions, flux / len(points))
     return walk_on(world, first, chain=alive, points=points, seed=seed)
@@ -119,8 +121,14 @@ def walk_on(
         if not len(vertices):
             break
         directions, flux, going = _reflect(
-            world.reflectances, vertices.normals, vertices.incoming, vertices.flux, vertices.materials,
-            vertices.lobes, world.emitters.weights, _numbers(points, chain, bounce, key),
+            world.reflectances,
+            vertices.normals,
+            vertices.incoming,
+            vertices.flux,
+            vertices.materials,
+            vertices.lobes,
+            world.emitters.weights,
+            _numbers(points, chain, bounce, key),
             bounce >= CERTAIN_REFLECTIONS,
         )
         origins = world.caster.leave(vertices.points[going], vertices.normals[going])
@@ -141,7 +149,7 @@ def hash_of(seed: tuple[int, ...]) -> np.uint64:
 def arrive(
     world: World, origins: FloatArray, directions: FloatArray, flux: FloatArray
 ) -> tuple[ChainVertices, IntArray]:
-    """Follow rays with flux (k, C) to surfaces; returns the vertices there and which of the rays made them."""
+    """Follow rays with flux (k, C) to surfaces: the vertices there, and which of the rays made them."""
     hits = world.caster.closest(origins, directions)
     alive = np.flatnonzero(hits.triangle >= 0)
     triangles = hits.triangle[alive]
@@ -174,7 +182,7 @@ def _numbers(points: FloatArray, chain: IntArray, bounce: int, key: np.uint64) -
 
 
 @njit(**_COMPILED)
-def _fill(key, chain, bounce, out):
+def _fill(key: np.uint64, chain: IntArray, bounce: int, out: FloatArray) -> None:
     for k in range(len(chain)):
         own = mix(mix(key, np.uint64(chain[k])), np.uint64(bounce))
         for d in range(out.shape[1]):
@@ -182,8 +190,8 @@ def _fill(key, chain, bounce, out):
 
 
 @njit(**_COMPILED)
-def emit(emitters: Emitters, numbers, offset):
-    """Draw places and directions of emission by rows (k, 5+) of numbers; origins, directions, flux/probability."""
+def emit(emitters: Emitters, numbers: FloatArray, offset: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Emit by rows (k, 5+) of numbers: origins, directions (k, 3) and flux over probability (k, C)."""
     count = len(numbers)
     triangles = len(emitters.areas)
     channels = emitters.luminance.shape[1]
@@ -228,8 +236,16 @@ def emit(emitters: Emitters, numbers, offset):
 
 @njit(**_COMPILED)
 def _reflect(
-    reflectances: Reflectances, normals, incoming, flux, materials, lobes, weights, numbers, roulette
-):
+    reflectances: Reflectances,
+    normals: FloatArray,
+    incoming: FloatArray,
+    flux: FloatArray,
+    materials: IntArray,
+    lobes: IntArray,
+    weights: FloatArray,
+    numbers: FloatArray,
+    roulette: bool,
+) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Draw the next direction of each chain; returns directions, flux leaving and which chains go on."""
     count, channels = flux.shape
     directions = np.zeros((count, 3))

@@ -1,7 +1,7 @@
 """Everything that emits: luminous triangles and point luminaires, and how light is drawn from them.
 
-Sources are numbered triangles first, then points. A source is drawn with a probability that follows what it can
-give at the place in question, so that many lamps cost hardly more than one.
+Sources are numbered triangles first, then points. A source is drawn with a probability that follows what it
+can give at the place in question, so that many lamps cost hardly more than one.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ import numpy as np
 from numba import njit
 
 from lelight.channels import luminance_weights
-from lelight.scene import FloatArray, IntArray, Scene, triangle_areas, triangle_normals
+from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
+from lelight.tracing.sampling import Vector
 from lelight.tracing.triangles import (
     sample_triangle,
     triangle_density,
@@ -28,7 +29,7 @@ _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Up to this many sources the choice follows each one's geometry; beyond it, its power alone.
 LOCAL_CHOICE_LIMIT = 256
-#: A triangle is far where the square of its distance is this many times its area; there one point stands for it.
+#: A triangle is far where its distance squared is this many times its area; there one point stands for it.
 FAR = 25.0
 #: Least cosine that a far triangle partly above the horizon is given, so that none is left out.
 LOW = 0.1
@@ -50,7 +51,7 @@ class Emitters(NamedTuple):
     power_cdf : (T + P,) float, cumulative share of power
     weights : (C,) float, luminance weights of the channels
     of_triangle : (n_t,) int, number of the source that a scene triangle is, or -1
-    sketch : (T + P, 10) float, what `rough_cdf` looks at: middle (3), normal (3), radius in m around the middle,
+    sketch : (T + P, 10) float, what `rough_cdf` looks at: middle (3), normal (3), radius in m around it,
         area over pi in m², power in lm, 1 where both sides emit; points have no normal, radius or area
     """
 
@@ -58,7 +59,7 @@ class Emitters(NamedTuple):
     normals: FloatArray
     areas: FloatArray
     luminance: FloatArray
-    both_sides: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    both_sides: BoolArray
     positions: FloatArray
     intensity: FloatArray
     power: FloatArray
@@ -115,7 +116,9 @@ def _sketch(emitters: Emitters) -> FloatArray:
     middle = emitters.corners.mean(axis=1)
     sketch[:triangles, :3] = middle
     sketch[:triangles, 3:6] = emitters.normals
-    sketch[:triangles, 6] = np.linalg.norm(emitters.corners - middle[:, None], axis=2).max(axis=1, initial=0.0)
+    sketch[:triangles, 6] = np.linalg.norm(emitters.corners - middle[:, None], axis=2).max(
+        axis=1, initial=0.0
+    )
     sketch[:triangles, 7] = emitters.areas / math.pi
     sketch[:triangles, 9] = emitters.both_sides
     sketch[triangles:, :3] = emitters.positions
@@ -124,7 +127,9 @@ def _sketch(emitters: Emitters) -> FloatArray:
 
 
 @njit(**_COMPILED)
-def rough_cdf(sketch, x, y, z, nx, ny, nz, scratch):
+def rough_cdf(
+    sketch: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float, scratch: FloatArray
+) -> bool:
     """Cumulative probabilities of the sources at a surface point, for paths, which draw once: cheap.
 
     Returns
@@ -160,8 +165,18 @@ def rough_cdf(sketch, x, y, z, nx, ny, nz, scratch):
 
 
 @njit(**_COMPILED)
-def _triangle_importance(emitters, source, x, y, z, nx, ny, nz, on_surface):
-    """Illuminance that a triangle would give, were nothing in between: exact when near, one point when far."""
+def _triangle_importance(
+    emitters: Emitters,
+    source: int,
+    x: float,
+    y: float,
+    z: float,
+    nx: float,
+    ny: float,
+    nz: float,
+    on_surface: bool,
+) -> float:
+    """Illuminance from a triangle were nothing in between: exact when near, by one point when far."""
     corners, area = emitters.corners[source], emitters.areas[source]
     brightness = emitters.power[source] / area
     mx = (corners[0, 0] + corners[1, 0] + corners[2, 0]) / 3.0 - x
@@ -178,8 +193,8 @@ def _triangle_importance(emitters, source, x, y, z, nx, ny, nz, on_surface):
     square = mx * mx + my * my + mz * mz
     if square < FAR * area:
         if on_surface:
-            return brightness * triangle_irradiance(corners, x, y, z, nx, ny, nz)
-        return brightness * triangle_solid_angle(corners, x, y, z)
+            return float(brightness * triangle_irradiance(corners, x, y, z, nx, ny, nz))
+        return float(brightness * triangle_solid_angle(corners, x, y, z))
     distance = math.sqrt(square)
     cos_here = 1.0
     if on_surface:
@@ -188,11 +203,11 @@ def _triangle_importance(emitters, source, x, y, z, nx, ny, nz, on_surface):
             if not _rises(corners, x, y, z, nx, ny, nz):
                 return 0.0
             cos_here = LOW
-    return brightness * area * height / (square * distance) * cos_here
+    return float(brightness * area * height / (square * distance) * cos_here)
 
 
 @njit(**_COMPILED)
-def _rises(corners, x, y, z, nx, ny, nz):
+def _rises(corners: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float) -> bool:
     """Say whether any corner stands above the horizon of a place."""
     for k in range(3):
         if (corners[k, 0] - x) * nx + (corners[k, 1] - y) * ny + (corners[k, 2] - z) * nz > 0.0:
@@ -201,7 +216,17 @@ def _rises(corners, x, y, z, nx, ny, nz):
 
 
 @njit(**_COMPILED)
-def choice_cdf(emitters, x, y, z, nx, ny, nz, on_surface, scratch):
+def choice_cdf(
+    emitters: Emitters,
+    x: float,
+    y: float,
+    z: float,
+    nx: float,
+    ny: float,
+    nz: float,
+    on_surface: bool,
+    scratch: FloatArray,
+) -> bool:
     """Cumulative probabilities of the sources at a place, for receivers, which draw often: close to ideal.
 
     Parameters
@@ -242,14 +267,16 @@ def choice_cdf(emitters, x, y, z, nx, ny, nz, on_surface, scratch):
 
 
 @njit(**_COMPILED)
-def chosen(cdf, u):
+def chosen(cdf: FloatArray, u: float) -> tuple[int, float]:
     """Source whose share of [0, 1) holds u, and its probability."""
     source = min(int(np.searchsorted(cdf, u, side="right")), len(cdf) - 1)
     return source, cdf[source] - (cdf[source - 1] if source > 0 else 0.0)
 
 
 @njit(**_COMPILED)
-def toward(emitters, source, x, y, z, u, v):
+def toward(
+    emitters: Emitters, source: int, x: float, y: float, z: float, u: float, v: float
+) -> tuple[Vector, float, float, float]:
     """Draw a direction to a source.
 
     Returns
@@ -281,43 +308,50 @@ def toward(emitters, source, x, y, z, u, v):
 
 
 @njit(**_COMPILED)
-def shines(emitters, source, direction):
+def shines(emitters: Emitters, source: int, direction: Vector) -> bool:
     """Say whether a triangle emits against a direction that points at it."""
     away = (
         direction[0] * emitters.normals[source, 0]
         + direction[1] * emitters.normals[source, 1]
         + direction[2] * emitters.normals[source, 2]
     )
-    return away < 0.0 or (emitters.both_sides[source] and away > 0.0)
+    return bool(away < 0.0 or (emitters.both_sides[source] and away > 0.0))
 
 
 @njit(**_COMPILED)
-def drawn_density(emitters, cdf, source, x, y, z, direction):
+def drawn_density(
+    emitters: Emitters, cdf: FloatArray, source: int, x: float, y: float, z: float, direction: Vector
+) -> float:
     """Density in 1/sr with which `chosen` and `toward` draw a direction that meets triangle ``source``."""
     share = cdf[source] - (cdf[source - 1] if source > 0 else 0.0)
-    return share * triangle_density(
+    density = triangle_density(
         emitters.corners[source], emitters.normals[source], emitters.areas[source], x, y, z, direction
     )
+    return float(share * density)
 
 
 @njit(**_COMPILED)
-def source_strength(emitters, source, channel):
+def source_strength(emitters: Emitters, source: int, channel: int) -> float:
     """Luminance of a triangle (cd/m²) or intensity of a point (cd)."""
     triangles = len(emitters.areas)
     if source < triangles:
-        return emitters.luminance[source, channel]
-    return emitters.intensity[source - triangles, channel]
+        return float(emitters.luminance[source, channel])
+    return float(emitters.intensity[source - triangles, channel])
 
 
 @njit(**_COMPILED)
-def unshadowed(emitters, x, y, z, nx, ny, nz, illuminance):
+def unshadowed(
+    emitters: Emitters, x: float, y: float, z: float, nx: float, ny: float, nz: float, illuminance: FloatArray
+) -> None:
     """Add the illuminance (C,) in lx that all sources would give with nothing in between, in closed form."""
     triangles = len(emitters.areas)
     for source in range(len(emitters.power)):
         if source < triangles:
             corners, normal = emitters.corners[source], emitters.normals[source]
             height = (
-                (x - corners[0, 0]) * normal[0] + (y - corners[0, 1]) * normal[1] + (z - corners[0, 2]) * normal[2]
+                (x - corners[0, 0]) * normal[0]
+                + (y - corners[0, 1]) * normal[1]
+                + (z - corners[0, 2]) * normal[2]
             )
             if height == 0.0 or (height < 0.0 and not emitters.both_sides[source]):
                 continue

@@ -14,10 +14,15 @@ import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore import EmbreeDevice
 from embreex.rtcore_scene import EmbreeScene
+from numpy.typing import NDArray
 
-from lelight.scene import FloatArray, IntArray, Scene, triangle_normals
+from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_normals
 
-#: Distance from a surface at which rays start, as a share of half the scene's extent (about 60 float32 steps).
+#: Single precision, in which embree computes.
+Float32Array = NDArray[np.float32]
+
+#: Distance from a surface at which rays start, as a share of half the scene's extent (about 60 float32
+#: steps).
 OFFSET_SHARE = 4e-6
 #: Shadow rays stop this share of their length before the target.
 SHADOW_SHARE = 1.0 - 1e-5
@@ -81,18 +86,19 @@ class RayCaster:
         """Move surface points (k, 3) off their surface to the side that ``normals`` (k, 3) point to."""
         return points + self.offset * normals
 
-    def visible(self, origins: FloatArray, targets: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    def visible(self, origins: FloatArray, targets: FloatArray) -> BoolArray:
         """Say for each pair of points (k, 3), m, already off their surfaces, whether nothing lies between."""
         start = self._scaled(origins)
         return self.unblocked(start, self._scaled(targets) - start)
 
     def unblocked(
-        self, origins: np.ndarray[tuple[int, int], np.dtype[np.float32]],
-        segments: np.ndarray[tuple[int, int], np.dtype[np.float32]],
-    ) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        """Like `visible`, in embree's own coordinates ``(x - centre) * scale``: starts and segments (k, 3)."""
+        self,
+        origins: Float32Array,
+        segments: Float32Array,
+    ) -> BoolArray:
+        """Answer `visible` in embree's own coordinates, ``(x - centre) * scale``: starts, segments (k, 3)."""
         reach = np.full(len(origins), SHADOW_SHARE, dtype=np.float32)
         return np.asarray(self._scene.run(origins, segments, dists=reach, query="OCCLUDED") < 0)
 
-    def _scaled(self, points: FloatArray) -> np.ndarray[tuple[int, int], np.dtype[np.float32]]:
+    def _scaled(self, points: FloatArray) -> Float32Array:
         return ((points - self.centre) * self.scale).astype(np.float32)

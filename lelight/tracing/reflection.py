@@ -45,23 +45,23 @@ def collect_reflectances(scene: Scene, channels: FloatArray) -> Reflectances:
 
 
 @njit(**_COMPILED)
-def lobe(exponent, cos_alpha):
+def lobe(exponent: float, cos_alpha: float) -> float:
     """Phong lobe for ks = 1, 1/sr: (n + 2) / (2 pi) cos^n."""
     if cos_alpha <= 0.0:
         return 0.0
-    return (exponent + 2.0) / (2.0 * math.pi) * cos_alpha**exponent
+    return (exponent + 2.0) / (2.0 * math.pi) * math.pow(cos_alpha, exponent)
 
 
 @njit(**_COMPILED)
-def lobe_density(exponent, cos_alpha):
+def lobe_density(exponent: float, cos_alpha: float) -> float:
     """Density in 1/sr of drawing a direction from the lobe: (n + 1) / (2 pi) cos^n."""
     if cos_alpha <= 0.0:
         return 0.0
-    return (exponent + 1.0) / (2.0 * math.pi) * cos_alpha**exponent
+    return (exponent + 1.0) / (2.0 * math.pi) * math.pow(cos_alpha, exponent)
 
 
 @njit(**_COMPILED)
-def diffuse_probability(reflectances, material):
+def diffuse_probability(reflectances: Reflectances, material: int) -> float:
     """Probability with which a walk that reflects takes the Lambertian lobe."""
     total = reflectances.diffuse_share[material] + reflectances.specular_share[material]
     return reflectances.diffuse_share[material] / total if total > 0.0 else 1.0

@@ -1,7 +1,8 @@
 """Uniform numbers and the densities they are warped to.
 
-Directions are in a local frame whose z axis is the normal; `to_axis` turns them. Every warp states its density
-in the measure of solid angle. All functions of one sample are compiled, so that kernels can call them.
+Directions are in a local frame whose z axis is the normal; `to_axis` turns them. Every warp states its
+density in the measure of solid angle. All functions of one sample are compiled, so that kernels can call
+them.
 """
 
 from __future__ import annotations
@@ -13,6 +14,9 @@ from numba import njit
 
 from lelight.scene import FloatArray
 
+#: Three coordinates, as compiled functions hand them on.
+Vector = tuple[float, float, float]
+
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
@@ -23,14 +27,14 @@ def sobol(dimensions: int, *, log2_count: int, seed: tuple[int, ...]) -> FloatAr
     -------
     (2**log2_count, dimensions) float in [0, 1)
     """
-    from scipy.stats import qmc  # noqa: PLC0415 - takes a second to import
+    from scipy.stats import qmc
 
     engine = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed))
     return np.asarray(engine.random_base2(log2_count))
 
 
 @njit(**_COMPILED)
-def mix(key, counter):
+def mix(key: np.uint64, counter: np.uint64) -> np.uint64:
     """Hash two 64-bit words into one (finaliser of SplitMix64; Steele, Lea, Flood 2014)."""
     z = np.uint64(key) ^ (np.uint64(counter) * np.uint64(0x9E3779B97F4A7C15))
     z += np.uint64(0x9E3779B97F4A7C15)
@@ -40,20 +44,20 @@ def mix(key, counter):
 
 
 @njit(**_COMPILED)
-def uniform(key, counter):
+def uniform(key: np.uint64, counter: np.uint64) -> float:
     """One number in [0, 1) that depends on its two arguments only."""
     return float(mix(key, counter) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
 
 
 @njit(**_COMPILED)
-def rotated(u, shift):
+def rotated(u: float, shift: float) -> float:
     """Cranley-Patterson rotation of one number in [0, 1)."""
     s = u + shift
     return s - 1.0 if s >= 1.0 else s
 
 
 @njit(**_COMPILED)
-def cosine_direction(u, v):
+def cosine_direction(u: float, v: float) -> Vector:
     """Direction on the hemisphere with density cos(theta)/pi (Malley's method)."""
     r = math.sqrt(u)
     phi = 2.0 * math.pi * v
@@ -61,7 +65,7 @@ def cosine_direction(u, v):
 
 
 @njit(**_COMPILED)
-def lobe_direction(u, v, exponent):
+def lobe_direction(u: float, v: float, exponent: float) -> Vector:
     """Direction about z with density (n + 1)/(2 pi) cos^n (Lafortune & Willems 1994)."""
     cos_alpha = (1.0 - u) ** (1.0 / (exponent + 1.0))
     sin_alpha = math.sqrt(max(0.0, 1.0 - cos_alpha * cos_alpha))
@@ -70,7 +74,7 @@ def lobe_direction(u, v, exponent):
 
 
 @njit(**_COMPILED)
-def sphere_direction(u, v):
+def sphere_direction(u: float, v: float) -> Vector:
     """Direction on the whole sphere with density 1/(4 pi)."""
     z = 1.0 - 2.0 * u
     r = math.sqrt(max(0.0, 1.0 - z * z))
@@ -79,7 +83,7 @@ def sphere_direction(u, v):
 
 
 @njit(**_COMPILED)
-def to_axis(x, y, z, ax, ay, az):
+def to_axis(x: float, y: float, z: float, ax: float, ay: float, az: float) -> Vector:
     """Turn a local direction so that z becomes the unit axis a (frame of Duff et al. 2017)."""
     sign = 1.0 if az >= 0.0 else -1.0
     a = -1.0 / (sign + az)
@@ -92,14 +96,14 @@ def to_axis(x, y, z, ax, ay, az):
 
 
 @njit(**_COMPILED)
-def mirrored(dx, dy, dz, nx, ny, nz):
+def mirrored(dx: float, dy: float, dz: float, nx: float, ny: float, nz: float) -> Vector:
     """Mirror a direction that points away from the surface at the normal n."""
     twice = 2.0 * (dx * nx + dy * ny + dz * nz)
     return twice * nx - dx, twice * ny - dy, twice * nz - dz
 
 
 @njit(**_COMPILED)
-def solid_angle(a, b, c):
+def solid_angle(a: Vector, b: Vector, c: Vector) -> float:
     """Solid angle of the triangle of three unit vectors (van Oosterom & Strackee 1983)."""
     triple = (
         a[0] * (b[1] * c[2] - b[2] * c[1])
@@ -113,7 +117,7 @@ def solid_angle(a, b, c):
 
 
 @njit(**_COMPILED)
-def cosine_directions(numbers, normals):
+def cosine_directions(numbers: FloatArray, normals: FloatArray) -> FloatArray:
     """Directions (k, 3) about unit normals (k, 3) with density cos(theta)/pi, from uniform numbers (k, 2)."""
     directions = np.empty((len(normals), 3))
     for k in range(len(normals)):

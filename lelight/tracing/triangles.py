@@ -1,7 +1,7 @@
 """A point drawn on a triangle so that its direction from an eye is uniform in solid angle.
 
-Arvo, "Stratified Sampling of Spherical Triangles", SIGGRAPH 1995. A triangle that is nearly flat or tiny on the
-sphere is drawn by area instead; both come with their density in solid angle.
+Arvo, "Stratified Sampling of Spherical Triangles", SIGGRAPH 1995. A triangle that is nearly flat or tiny on
+the sphere is drawn by area instead; both come with their density in solid angle.
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ import math
 
 from numba import njit
 
-from lelight.tracing.sampling import solid_angle
+from lelight.scene import FloatArray
+from lelight.tracing.sampling import Vector, solid_angle
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
@@ -19,36 +20,37 @@ SMALL_SOLID_ANGLE = 1e-4
 
 
 @njit(**_COMPILED)
-def _unit(x, y, z):
+def _unit(x: float, y: float, z: float) -> Vector:
     s = 1.0 / math.sqrt(x * x + y * y + z * z)
     return x * s, y * s, z * s
 
 
 @njit(**_COMPILED)
-def _dot(a, b):
+def _dot(a: Vector, b: Vector) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @njit(**_COMPILED)
-def _cross(a, b):
+def _cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @njit(**_COMPILED)
-def _reject(a, b):
-    """Unit part of a that is perpendicular to the unit vector b."""
+def _reject(a: Vector, b: Vector) -> Vector:
+    """Keep the unit part of a that is perpendicular to the unit vector b."""
     d = _dot(a, b)
-    return _unit(a[0] - d * b[0], a[1] - d * b[1], a[2] - d * b[2])
+    part: Vector = _unit(a[0] - d * b[0], a[1] - d * b[1], a[2] - d * b[2])
+    return part
 
 
 @njit(**_COMPILED)
-def _clamped(x):
+def _clamped(x: float) -> float:
     return min(1.0, max(-1.0, x))
 
 
 @njit(**_COMPILED)
-def directions_to_corners(corners, x, y, z):
-    """Unit vectors from the point (x, y, z) to three corners (3, 3)."""
+def directions_to_corners(corners: FloatArray, x: float, y: float, z: float) -> tuple[Vector, Vector, Vector]:
+    """Look from the point (x, y, z) to three corners (3, 3), along unit vectors."""
     a = _unit(corners[0, 0] - x, corners[0, 1] - y, corners[0, 2] - z)
     b = _unit(corners[1, 0] - x, corners[1, 1] - y, corners[1, 2] - z)
     c = _unit(corners[2, 0] - x, corners[2, 1] - y, corners[2, 2] - z)
@@ -56,15 +58,15 @@ def directions_to_corners(corners, x, y, z):
 
 
 @njit(**_COMPILED)
-def triangle_solid_angle(corners, x, y, z):
+def triangle_solid_angle(corners: FloatArray, x: float, y: float, z: float) -> float:
     """Solid angle in sr of a triangle (3, 3) seen from a point."""
     a, b, c = directions_to_corners(corners, x, y, z)
-    return solid_angle(a, b, c)
+    return float(solid_angle(a, b, c))
 
 
 @njit(**_COMPILED)
-def _arvo(a, b, c, area, u, v):
-    n_ab, n_bc, n_ca = _unit(*_cross(a, b)), _unit(*_cross(b, c)), _unit(*_cross(c, a))
+def _arvo(a: Vector, b: Vector, c: Vector, area: float, u: float, v: float) -> Vector:
+    n_ab, n_ca = _unit(*_cross(a, b)), _unit(*_cross(c, a))
     alpha = math.acos(_clamped(-_dot(n_ab, n_ca)))
     # The part area u * area, cut off by a great circle through b, ends at the point c' on the arc a c.
     s, t = math.sin(u * area - alpha), math.cos(u * area - alpha)
@@ -88,7 +90,9 @@ def _arvo(a, b, c, area, u, v):
 
 
 @njit(**_COMPILED)
-def point_on_ray(corners, normal, x, y, z, direction):
+def point_on_ray(
+    corners: FloatArray, normal: FloatArray, x: float, y: float, z: float, direction: Vector
+) -> float:
     """Where a ray from (x, y, z) meets the triangle's plane, as distance along the unit direction."""
     across = _dot(direction, (normal[0], normal[1], normal[2]))
     toward = (
@@ -98,7 +102,9 @@ def point_on_ray(corners, normal, x, y, z, direction):
 
 
 @njit(**_COMPILED)
-def _by_area(corners, normal, area, x, y, z, u, v):
+def _by_area(
+    corners: FloatArray, normal: FloatArray, area: float, x: float, y: float, z: float, u: float, v: float
+) -> tuple[Vector, float, float]:
     root = math.sqrt(u)
     wa, wb, wc = 1.0 - root, root * (1.0 - v), root * v
     dx = wa * corners[0, 0] + wb * corners[1, 0] + wc * corners[2, 0] - x
@@ -112,7 +118,9 @@ def _by_area(corners, normal, area, x, y, z, u, v):
 
 
 @njit(**_COMPILED)
-def sample_triangle(corners, normal, area, x, y, z, u, v):
+def sample_triangle(
+    corners: FloatArray, normal: FloatArray, area: float, x: float, y: float, z: float, u: float, v: float
+) -> tuple[Vector, float, float]:
     """Draw a direction from (x, y, z) to a triangle.
 
     Returns
@@ -123,7 +131,8 @@ def sample_triangle(corners, normal, area, x, y, z, u, v):
     """
     omega = triangle_solid_angle(corners, x, y, z)
     if omega < SMALL_SOLID_ANGLE:
-        return _by_area(corners, normal, area, x, y, z, u, v)
+        drawn: tuple[Vector, float, float] = _by_area(corners, normal, area, x, y, z, u, v)
+        return drawn
     a, b, c = directions_to_corners(corners, x, y, z)
     d = _arvo(a, b, c, omega, u, v)
     distance = point_on_ray(corners, normal, x, y, z, d)
@@ -133,38 +142,44 @@ def sample_triangle(corners, normal, area, x, y, z, u, v):
 
 
 @njit(**_COMPILED)
-def triangle_density(corners, normal, area, x, y, z, direction):
+def triangle_density(
+    corners: FloatArray, normal: FloatArray, area: float, x: float, y: float, z: float, direction: Vector
+) -> float:
     """Density in 1/sr with which `sample_triangle` draws a direction that meets the triangle."""
     omega = triangle_solid_angle(corners, x, y, z)
     if omega >= SMALL_SOLID_ANGLE:
-        return 1.0 / omega
+        return 1.0 / float(omega)
     distance = point_on_ray(corners, normal, x, y, z, direction)
     cos_away = abs(direction[0] * normal[0] + direction[1] * normal[1] + direction[2] * normal[2])
     return distance * distance / (area * cos_away) if cos_away > 0.0 else 0.0
 
 
 @njit(**_COMPILED)
-def _edge_term(a, b, n):
-    """One edge of Lambert's formula: angle between the unit vectors times the normal of their plane along n."""
+def _edge_term(a: Vector, b: Vector, n: Vector) -> float:
+    """Give one edge of Lambert's formula: angle between unit vectors times their plane's normal along n."""
     g = _cross(a, b)
     sine = math.sqrt(_dot(g, g))
     if sine == 0.0:
         return 0.0
-    return math.atan2(sine, _dot(a, b)) * _dot(g, n) / sine
+    return math.atan2(sine, _dot(a, b)) * float(_dot(g, n)) / sine
 
 
 @njit(**_COMPILED)
-def _at_horizon(a, b, height_a, height_b):
-    """Unit vector where the arc from a (above) to b (below) crosses the horizon."""
+def _at_horizon(a: Vector, b: Vector, height_a: float, height_b: float) -> Vector:
+    """Find the unit vector where the arc from a (above) to b (below) crosses the horizon."""
     t = height_a / (height_a - height_b)
-    return _unit(a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]))
+    crossing: Vector = _unit(a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]))
+    return crossing
 
 
 @njit(**_COMPILED)
-def triangle_irradiance(corners, x, y, z, nx, ny, nz):
+def triangle_irradiance(
+    corners: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float
+) -> float:
     """Illuminance at a place from a triangle of unit luminance, the part below the horizon cut off.
 
-    Lambert's formula, E = |sum over edges of angle x (edge normal . n)| / 2 (Lambert 1760; Arvo 1995, eq. 3.9).
+    Lambert's formula, E = |sum over edges of angle x (edge normal . n)| / 2 (Lambert 1760; Arvo 1995, eq.
+    3.9).
     """
     n = (nx, ny, nz)
     directions = directions_to_corners(corners, x, y, z)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from lelight.channels import channel_matrix
+from lelight.scene import FloatArray, IntArray, Scene, triangle_areas
 from lelight.tracing.emitters import Emitters, collect_emitters
 from lelight.tracing.rays import RayCaster
 from lelight.tracing.reflection import Reflectances, collect_reflectances
-from lelight.scene import FloatArray, IntArray, Scene, triangle_areas
 
 
 @dataclass(frozen=True)

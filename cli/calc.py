@@ -1,0 +1,49 @@
+"""``lelight calc``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from lelight.calculation import Calculation
+from lelight.cli.options import SCENE, run_options
+from lelight.cli.progress import watched
+from lelight.pipelines.calc import run_calc
+from lelight.settings import Settings
+
+
+@click.command()
+@SCENE
+@click.option("-o", "--out", type=click.Path(path_type=Path), help="Result folder. Default: SCENE's stem.lelight.")
+@run_options
+@click.option("--quiet", is_flag=True, help="No progress and no summary.")
+def command(scene: Path, out: Path | None, *, quiet: bool, **chosen: Any) -> None:
+    """Compute the light in SCENE (an OBJ, or a TOML that names one) and write all results."""
+    settings = Settings(**{key: value for key, value in chosen.items() if value is not None})
+    with watched(quiet=quiet) as (announce, progress):
+        folder, run = run_calc(scene, out, settings=settings, announce=announce, progress=progress)
+    if not run.target_met:
+        click.echo(
+            f"lelight: warning: target {run.settings.target_error:.2%} not reached, got {run.error.rms:.2%}",
+            err=True,
+        )
+    if not quiet:
+        click.echo("\n".join(summary(folder, run)), err=True)
+
+
+def summary(folder: Path, run: Calculation) -> list[str]:
+    """Say in a few lines what was reached and where it is."""
+    seconds = sum(run.seconds.values())
+    lines = [
+        f"unit {run.scene.unit}, {run.scene.up} up; {len(run.field.mesh)} nodes, "
+        f"{run.replicates.count} batches, {run.replicates.rays / 1e6:.1f} million rays, {seconds:.1f} s",
+        f"relative standard error {run.error.rms:.2%} (95 % of the area below {run.error.p95:.2%}, "
+        f"99 % below {run.error.p99:.2%})",
+    ]
+    for values in run.planes:
+        mean = values.replicates.mean(axis=1)
+        error = mean.std(ddof=1) / len(mean) ** 0.5
+        lines.append(f"{values.plane.name}: Em {mean.mean():.1f} ± {2 * error:.1f} lx")
+    return [*lines, f"results in {folder}"]

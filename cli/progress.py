@@ -1,0 +1,41 @@
+"""Live progress on stderr, and its silent twin."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from lelight.calculation import Standing
+
+Watch = tuple[Callable[[str], None], Callable[[Standing], None]]
+
+
+@contextmanager
+def watched(*, quiet: bool) -> Iterator[Watch]:
+    """Two callables for a run: one takes the name of each stage, one where the estimate stands."""
+    if quiet:
+        yield (lambda _: None), (lambda _: None)
+    elif sys.stderr.isatty():
+        with _live() as watch:
+            yield watch
+    else:
+        yield (lambda stage: print(f"lelight: {stage}", file=sys.stderr)), (lambda _: None)
+
+
+@contextmanager
+def _live() -> Iterator[Watch]:
+    from rich.console import Console
+
+    with Console(stderr=True).status("starting") as status:
+        yield (lambda stage: status.update(stage)), (lambda standing: status.update(_line(standing)))
+
+
+def _line(standing: Standing) -> str:
+    """Say how far the estimate is and how long it may take."""
+    text = f"estimating: {standing.batches} batches, {standing.seconds:.0f} s"
+    if standing.error is None:
+        return text
+    reached = f"{text}, error {standing.error.rms:.2%} of {standing.target:.2%}"
+    left = standing.seconds * max(0.0, (standing.error.rms / standing.target) ** 2 - 1.0)
+    return f"{reached}, about {left:.0f} s left"

@@ -1,0 +1,90 @@
+"""``lelight calc``: from a scene file to a folder of results."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from time import perf_counter
+
+from lelight.calculation import Calculation, Progress, calculate
+from lelight.pipelines.eyes import Sight, look
+from lelight.pipelines.figures import figures
+from lelight.pipelines.folder import (
+    file_stems,
+    prepare_folder,
+    write_geometry,
+    write_json,
+    write_sights,
+    write_tables,
+)
+from lelight.pipelines.record import run_record
+from lelight.reading.loading import load
+from lelight.settings import Settings
+
+#: Told the name of each stage as it begins.
+Announce = Callable[[str], None]
+
+
+def default_out(scene_path: Path) -> Path:
+    """Folder beside the scene: its stem with ``.lelight``."""
+    return scene_path.with_name(f"{scene_path.stem}.lelight")
+
+
+def run_calc(
+    scene_path: Path,
+    out: Path | None = None,
+    *,
+    settings: Settings,
+    announce: Announce = lambda _: None,
+    progress: Progress = lambda _: None,
+) -> tuple[Path, Calculation]:
+    """Compute a scene and write all its results.
+
+    Returns
+    -------
+    out : the folder
+    run : what was found
+    """
+    started = perf_counter()
+    announce("reading")
+    scene = load(scene_path)
+    out = out if out is not None else default_out(scene_path)
+    prepare_folder(out)
+    read = perf_counter()
+    announce("estimating")
+    run = calculate(scene, settings, progress=progress)
+    announce("writing")
+    written = perf_counter()
+    stems = file_stems(run)
+    warnings = [*scene.warnings, *_warnings(run), *write_geometry(out, run, stems)]
+    sights = _sights(run)
+    write_sights(out, sights, stems["observers"])
+    write_tables(out, figures(run, sights, stems))
+    now = perf_counter()
+    seconds = {"read": read - started, "write": now - written, "total": now - started}
+    scene_file = Path(os.path.relpath(scene_path, out)).as_posix()
+    record = run_record(run, scene_file=scene_file, seconds=seconds, warnings=warnings)
+    write_json(out / "run.json", record)
+    return out, run
+
+
+def _sights(run: Calculation) -> tuple[Sight, ...]:
+    """Look through every observer's eyes."""
+    preset = run.settings.values
+    with ThreadPoolExecutor(max_workers=run.settings.workers) as executor:
+        return tuple(
+            look(run.field, eye, size=preset.picture_size, samples=preset.picture_samples, executor=executor)
+            for eye in run.scene.observers
+        )
+
+
+def _warnings(run: Calculation) -> list[str]:
+    """Say what the run did not reach."""
+    if run.target_met:
+        return []
+    return [
+        f"target not reached: relative standard error {run.error.rms:.3g}, "
+        f"asked for {run.settings.target_error:.3g}; give more --time"
+    ]

@@ -1,0 +1,90 @@
+"""What observers see: a luminance picture each, and the glare of the known emitters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+import numpy as np
+
+from lelight.camera import Fisheye
+from lelight.channels import luminance_weighted
+from lelight.field import RadianceField
+from lelight.metrics.cie117 import EmitterPatch, GlareSource, glare_sources, point_source
+from lelight.metrics.picture import PictureGlare, picture_glare
+from lelight.scene import BoolArray, FloatArray, Observer
+from lelight.tracing.world import World
+
+#: Rays to an opening end this many surface offsets before it.
+CLEARANCE = 4.0
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What one observer sees.
+
+    Attributes
+    ----------
+    luminance : (h, w) float, cd/m², equi-angular fisheye of 180°; nan outside its disc
+    view : Radiance's view options
+    sources : the luminous openings as the eye sees them
+    glare : ratings taken from the picture
+    """
+
+    observer: Observer
+    luminance: FloatArray
+    view: str
+    sources: tuple[GlareSource, ...]
+    glare: PictureGlare
+
+
+def look(field: RadianceField, observer: Observer, *, size: int, samples: int, executor: Executor) -> Sight:
+    """Take an observer's picture of ``size`` pixels square, ``samples`` rays a pixel, and rate it."""
+    camera = Fisheye(observer.position, observer.direction)
+    luminance = field.picture(camera, size, size, samples=samples, executor=executor)
+    directions = np.zeros((size, size, 3))
+    directions[camera.mask(size, size)] = camera.rays(size, size)[1]
+    glare = picture_glare(np.nan_to_num(luminance), camera.solid_angles(size, size), directions, observer)
+    return Sight(observer, luminance, camera.view(size, size), _sources(field, observer), glare)
+
+
+def _sources(field: RadianceField, observer: Observer) -> tuple[GlareSource, ...]:
+    """Openings first, point luminaires after them."""
+
+    def visible(origins: FloatArray, targets: FloatArray) -> BoolArray:
+        back = origins - targets
+        distance = np.linalg.norm(back, axis=1, keepdims=True)
+        ends = targets + CLEARANCE * field.world.caster.offset * back / distance
+        return field.world.caster.visible(origins, ends)
+
+    openings = glare_sources(list(emitter_patches(field)), observer, visible)
+    return openings + tuple(point_source(lamp, observer) for lamp in field.scene.luminaires)
+
+
+def emitter_patches(field: RadianceField) -> Iterator[EmitterPatch]:
+    """Connected luminous patches of the scene, named by material and number."""
+    emitters = field.world.emitters
+    triangles = np.flatnonzero(emitters.of_triangle >= 0)
+    numbers: dict[str, int] = {}
+    for patch in np.unique(field.labels[triangles]):
+        own = triangles[field.labels[triangles] == patch]
+        material = field.scene.materials[field.world.materials[own[0]]]
+        numbers[material.name] = numbers.get(material.name, 0) + 1
+        yield EmitterPatch(
+            name=f"{material.name} {numbers[material.name]}",
+            corners=field.world.caster.corners[own],
+            luminance=_luminance(field.world, int(own[0])),
+            sides=material.emission_sides,
+        )
+
+
+def _luminance(world: World, triangle: int) -> float:
+    return float(luminance_weighted(world.emitters.luminance[world.emitters.of_triangle[triangle]]))
+
+
+def glare_share(source: GlareSource, sources: tuple[GlareSource, ...]) -> float:
+    """Part of the sum of L² omega / p² that one source contributes."""
+    total = math.fsum(s.glare for s in sources)
+    return source.glare / total if total > 0 else 0.0

@@ -1,0 +1,110 @@
+"""The result folder: every file of a run, each whole or not there."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import lelight
+from lelight.calculation import Calculation
+from lelight.metrics.table import to_csv
+from lelight.pipelines.eyes import Sight
+from lelight.writing.falsecolour import decade_limits, write_falsecolour
+from lelight.writing.files import make_folder, safe_names, whole, write_text
+from lelight.writing.paraview import write_paraview_script
+from lelight.writing.pictures import write_exr
+from lelight.writing.radiancehdr import write_hdr
+from lelight.writing.views import robust_range, write_overview
+from lelight.writing.vtkfiles import write_index, write_luminaires, write_observers, write_plane
+
+
+def prepare_folder(out: Path) -> None:
+    """Make the folder and try it, so that a run does not end at a closed door."""
+    make_folder(out)
+    with whole(out / ".probe") as probe:
+        probe.write_bytes(b"")
+    (out / ".probe").unlink()
+
+
+def file_stems(run: Calculation) -> dict[str, dict[str, str]]:
+    """File stems of planes and observers by their names."""
+    planes = [plane.name for plane in run.scene.planes]
+    eyes = [eye.name for eye in run.scene.observers]
+    return {
+        "planes": dict(zip(planes, safe_names(planes), strict=True)),
+        "observers": dict(zip(eyes, safe_names(eyes), strict=True)),
+    }
+
+
+def write_geometry(out: Path, run: Calculation, stems: dict[str, dict[str, str]]) -> list[str]:
+    """Write field, planes, luminaires, observers, the index and the ParaView script; returns warnings."""
+    field_file = out / "field.vtp"
+    run.field.save(field_file, header=_header(run))
+    blocks: dict[str, dict[str, Path]] = {"field": {"field": field_file}}
+    make_folder(out / "planes")
+    blocks["planes"] = {}
+    for values in run.planes:
+        path = out / "planes" / f"{stems['planes'][values.plane.name]}.vtp"
+        write_plane(path, values)
+        blocks["planes"][values.plane.name] = path
+    if run.scene.luminaires:
+        blocks["luminaires"] = {"luminaires": out / "luminaires.vtp"}
+        write_luminaires(out / "luminaires.vtp", run.scene.luminaires)
+    if run.scene.observers:
+        blocks["observers"] = {"observers": out / "observers.vtp"}
+        write_observers(out / "observers.vtp", run.scene.observers)
+    write_index(out / "scene.vtm", blocks)
+    write_paraview_script(
+        out / "paraview.py",
+        title=run.scene.name,
+        field=field_file,
+        illuminance_range=robust_range(run.field.illuminance, run.field.mesh.hidden),
+        planes=blocks["planes"],
+        luminaires=out / "luminaires.vtp" if run.scene.luminaires else None,
+        observers=out / "observers.vtp" if run.scene.observers else None,
+    )
+    warning = write_overview(out / "overview.png", field_file)
+    return [warning] if warning else []
+
+
+def write_sights(out: Path, sights: tuple[Sight, ...], stems: Mapping[str, str]) -> None:
+    """Write each observer's picture as EXR, Radiance HDR and false colour, on one scale for all."""
+    folder = make_folder(out / "observers")
+    if not sights:
+        return
+    seen = np.concatenate([sight.luminance[np.isfinite(sight.luminance)] for sight in sights])
+    limits = decade_limits(seen)
+    for sight in sights:
+        stem = stems[sight.observer.name]
+        write_exr(folder / f"{stem}.exr", sight.luminance, view=sight.view)
+        write_hdr(folder / f"{stem}.hdr", np.nan_to_num(sight.luminance), view=sight.view)
+        write_falsecolour(
+            folder / f"{stem}.png", sight.luminance, title=sight.observer.name, limits=limits
+        )
+
+
+def write_tables(out: Path, table: Mapping[str, Any]) -> None:
+    """Write the figures as JSON and CSV."""
+    write_json(out / "metrics.json", table)
+    write_text(out / "metrics.csv", to_csv(table))
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write JSON that others can read: no NaN, UTF-8."""
+    write_text(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def _header(run: Calculation) -> dict[str, Any]:
+    return {
+        "version": lelight.__version__,
+        "seed": run.settings.seed,
+        "scene": run.scene.name,
+        "input_unit": run.scene.unit,
+        "up": "z",
+        "input_up": run.scene.up,
+        "files": run.scene.files,
+    }

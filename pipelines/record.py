@@ -1,0 +1,139 @@
+"""``run.json``: what was done, how long it took, how sure it is, and what replicates cannot see."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import numpy as np
+
+import lelight
+from lelight.calculation import Calculation, Standing
+from lelight.plan import LARGEST_STORED_EXPONENT
+from lelight.reading.lint import material_table
+
+#: Packages whose versions may change a figure.
+PACKAGES = ("numpy", "scipy", "numba", "embreex", "pymeshlab", "ducc0", "vtk", "pyvista")
+#: Stages of the estimate that the clock tells apart; files name them together.
+ESTIMATE_STAGES = ("base", "effort", "estimate")
+
+
+def run_record(
+    run: Calculation, *, scene_file: str, seconds: dict[str, float], warnings: list[str]
+) -> dict[str, Any]:
+    """Gather the record of a run, ready for JSON.
+
+    Parameters
+    ----------
+    scene_file : what was computed, as path from the result folder
+    seconds : of the stages outside the calculation: ``read``, ``write`` and ``total``
+    """
+    totals = run.replicates
+    return {
+        "lelight": lelight.__version__,
+        "scene": run.scene.name,
+        "scene_file": scene_file,
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "plan": [{"decision": d.name, "value": d.value, "reason": d.reason} for d in run.plan.decisions],
+        "settings": run.settings.as_table() | {"edge": run.edge, "target": run.settings.target_error},
+        "effort": vars(run.effort),
+        "seed": run.settings.seed,
+        "seconds": _seconds(run, seconds),
+        "rays": totals.rays,
+        "chains": totals.count * 2**run.effort.log2_chains,
+        "vertices": totals.vertices,
+        "batches": totals.count,
+        "nodes": len(run.field.mesh),
+        "hidden_nodes": int(np.count_nonzero(run.field.mesh.hidden)),
+        "error": _error(run),
+        "convergence": [_step(standing) for standing in run.convergence],
+        "bias": bias_statements(run),
+        "warnings": warnings,
+        "unit": run.scene.unit,
+        "up": run.scene.up,
+        "materials": _materials(run),
+        "luminaires": [
+            {"name": lamp.name, "position": lamp.position.tolist(), "intensity_cd": lamp.intensity.tolist()}
+            for lamp in run.scene.luminaires
+        ],
+        "files": run.scene.files,
+        "versions": versions(),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of the packages that the numbers rest on."""
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def _seconds(run: Calculation, outside: dict[str, float]) -> dict[str, float]:
+    inside = dict(run.seconds)
+    estimate = sum(inside.pop(stage) for stage in ESTIMATE_STAGES)
+    stages = {"read": outside["read"], **inside, "estimate": estimate}
+    ordered = ("read", "remesh", "pilot", "estimate", "fit")
+    return {stage: round(stages[stage], 3) for stage in ordered} | {
+        "write": round(outside["write"], 3),
+        "total": round(outside["total"], 3),
+    }
+
+
+def _error(run: Calculation) -> dict[str, Any]:
+    return {
+        "rms": _finite(run.error.rms),
+        "p95": _finite(run.error.p95),
+        "p99": _finite(run.error.p99),
+        "target": run.settings.target_error,
+        "met": run.target_met,
+    }
+
+
+def _finite(number: float) -> float | None:
+    return float(number) if np.isfinite(number) else None
+
+
+def _step(standing: Standing) -> dict[str, Any]:
+    return {
+        "batches": standing.batches,
+        "seconds": round(standing.seconds, 3),
+        "rms": standing.error.rms if standing.error else None,
+    }
+
+
+def _materials(run: Calculation) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": row.name,
+            "area_m2": row.area,
+            "reflectance": row.reflectance.tolist(),
+            "specular": row.specular.tolist(),
+            "exponent": row.exponent,
+            "luminance_cd_m2": row.luminance.tolist(),
+            "origin": row.origin,
+        }
+        for row in material_table(run.scene)
+    ]
+
+
+def bias_statements(run: Calculation) -> list[str]:
+    """Say in words what the spread of batches cannot show."""
+    statements = [
+        "Depth: chains and paths end by Russian roulette only; nothing is cut off.",
+        f"Mesh: the estimate holds at the nodes; between them values are linear over edges of {run.edge:.3g} m.",
+        "Sign: an estimate of almost no light that came out below zero is written as zero.",
+    ]
+    for material, degree in zip(run.scene.materials, run.plan.degrees, strict=True):
+        if degree:
+            statements.append(
+                f"Harmonics: gloss of {material.name} is stored to degree {degree}, "
+                "about 1 % of the peak of its lobe."
+            )
+    if any(m.glossy and m.exponent > LARGEST_STORED_EXPONENT for m in run.scene.materials):
+        statements.append("Mirrors: what a sharp lobe shows is interpolated at the surface it meets.")
+    return statements
