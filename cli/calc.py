@@ -16,7 +16,9 @@ from lelight.settings import Settings
 
 @click.command()
 @SCENE
-@click.option("-o", "--out", type=click.Path(path_type=Path), help="Result folder. Default: SCENE's stem.lelight.")
+@click.option(
+    "-o", "--out", type=click.Path(path_type=Path), help="Result folder. Default: SCENE's stem.lelight."
+)
 @run_options
 @click.option("--quiet", is_flag=True, help="No progress and no summary.")
 def command(scene: Path, out: Path | None, *, quiet: bool, **chosen: Any) -> None:

@@ -36,12 +36,15 @@ def _scene(check: Check) -> list[str]:
     size = " x ".join(f"{length:.4g}" for length in high - low)
     return [
         f"{scene.name}: {len(scene.triangles)} triangles, {size} m (unit {scene.unit}, {scene.up} up)",
-        f"{len(scene.luminaires)} point luminaires, {len(scene.observers)} observers, {len(scene.planes)} planes",
+        f"{len(scene.luminaires)} point luminaires, {len(scene.observers)} observers, "
+        f"{len(scene.planes)} planes",
     ]
 
 
 def _materials(check: Check) -> list[str]:
-    header = f"{'name':20} {'faces':>7} {'area m²':>9}  reflectance  specular  exponent  luminance cd/m²  from"
+    header = (
+        f"{'name':20} {'faces':>7} {'area m²':>9}  reflectance  specular  exponent  luminance cd/m²  from"
+    )
     return [header] + [
         f"{row.name:20} {row.faces:7d} {row.area:9.3f}  {_numbers(row.reflectance):11}  "
         f"{_numbers(row.specular):8}  {row.exponent:8g}  {_numbers(row.luminance):15}  {row.origin}"

@@ -11,42 +11,34 @@ import click
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
-class RelativeError(click.ParamType):
-    """A share such as 0.02, or ``2%``."""
+def relative_error(given: str) -> float:
+    """Read a share such as ``0.02`` or ``2%``."""
+    from lelight.reading import quantities
 
-    name = "error"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Read a share between 0 and 1."""
-        from lelight.reading.quantities import relative_error
-
-        try:
-            return relative_error(value)
-        except ValueError as error:
-            self.fail(str(error), param, ctx)
+    try:
+        return quantities.relative_error(given)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from error
 
 
-class Seconds(click.ParamType):
-    """A time such as 90, ``90s``, ``5min`` or ``2h``."""
+def seconds(given: str) -> float:
+    """Read a time such as ``90``, ``90s``, ``5min`` or ``2h``, in seconds."""
+    from lelight.reading import quantities
 
-    name = "time"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Read a time in seconds."""
-        from lelight.reading.quantities import seconds
-
-        try:
-            return seconds(value)
-        except ValueError as error:
-            self.fail(str(error), param, ctx)
+    try:
+        return quantities.seconds(given)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from error
 
 
 SCENE = click.argument("scene", type=click.Path(path_type=Path))
 OUT = click.argument("out", type=click.Path(path_type=Path))
 
 _RUN_OPTIONS = [
-    click.option("--target", type=RelativeError(), help="Relative standard error to reach, e.g. 2%."),
-    click.option("--time", type=Seconds(), help="Stop at this budget, e.g. 60s."),
+    click.option(
+        "--target", type=relative_error, metavar="ERROR", help="Relative standard error to reach, e.g. 2%."
+    ),
+    click.option("--time", type=seconds, metavar="TIME", help="Stop at this budget, e.g. 60s."),
     click.option("--preset", type=click.Choice(["draft", "normal", "fine"]), help="Default: normal."),
     click.option("--method", type=click.Choice(["sh", "grid"]), help="Angular detail of glossy nodes."),
     click.option("--edge", type=click.FloatRange(min=0, min_open=True), help="Edge of the node mesh, m."),

@@ -28,7 +28,7 @@ def _live() -> Iterator[Watch]:
     from rich.console import Console
 
     with Console(stderr=True).status("starting") as status:
-        yield (lambda stage: status.update(stage)), (lambda standing: status.update(_line(standing)))
+        yield status.update, (lambda standing: status.update(_line(standing)))
 
 
 def _line(standing: Standing) -> str:

@@ -2,8 +2,8 @@
 
 The route through the code, each stop one module:
 
-scene (`scene`, read by `reading`) → plan (`plan`) → node mesh (`mesh.patches`, `mesh.remesh`, `mesh.nodes`) → light
-chains (`tracing.chains`, `estimate.defect`) → local estimation at the nodes (`estimate.local`, with
+scene (`scene`, read by `reading`) → plan (`plan`) → node mesh (`mesh.patches`, `mesh.remesh`, `mesh.nodes`) →
+light chains (`tracing.chains`, `estimate.defect`) → local estimation at the nodes (`estimate.local`, with
 `estimate.nearfield` and `estimate.direct`; `estimate.batch` puts them together) → radiance field (`field`).
 `calculation.calculate` walks it.
 """

@@ -1,8 +1,8 @@
 """The radiance field: what every surface of the scene looks like from every side.
 
-It holds, for each node, illuminance with its standard error and the reflected radiance in spherical harmonics;
-between nodes it interpolates. Emission and the images of emitters in glossy surfaces are added exactly when a
-direction is evaluated.
+It holds, for each node, illuminance with its standard error and the reflected radiance in spherical
+harmonics; between nodes it interpolates. Emission and the images of emitters in glossy surfaces are added
+when a direction is evaluated.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ import numpy as np
 from lelight.camera import Camera, as_picture, stratified_offsets
 from lelight.channels import luminance_weighted
 from lelight.estimate.paths import Paths, meet
-from lelight.writing.fieldfile import read_field, write_field
 from lelight.harmonics.frames import to_local
 from lelight.harmonics.indices import degree_of
 from lelight.harmonics.projection import synthesise_at
@@ -30,6 +29,7 @@ from lelight.plan import stored_degree
 from lelight.results import NodeValues
 from lelight.scene import FloatArray, IntArray, Scene
 from lelight.tracing.world import World, build_world
+from lelight.writing.fieldfile import read_field, write_field
 
 #: Rays evaluated at once by one thread.
 CHUNK = 1 << 15
@@ -102,8 +102,8 @@ class RadianceField:
     def radiance(self, points: FloatArray, directions: FloatArray) -> FloatArray:
         """Radiance L(r, l) of light that passes a point in a direction, emission included.
 
-        On a surface that is what the surface sends out; in space it is what the surface sends that lies behind
-        the point (the double local estimation of the method's paper).
+        On a surface that is what the surface sends out; in space it is what the surface behind the point
+        sends (the double local estimation of the method's paper).
 
         Parameters
         ----------
@@ -119,7 +119,9 @@ class RadianceField:
         lift = 4.0 * self.world.caster.offset
         return self.seen(points + lift * directions, -directions)
 
-    def seen(self, origins: FloatArray, directions: FloatArray, *, executor: Executor | None = None) -> FloatArray:
+    def seen(
+        self, origins: FloatArray, directions: FloatArray, *, executor: Executor | None = None
+    ) -> FloatArray:
         """Radiance (k, C) in cd/m² seen from places (k, 3), m, along unit directions (k, 3)."""
         if executor is None:
             with ThreadPoolExecutor(max_workers=1) as own:
@@ -145,7 +147,7 @@ class RadianceField:
     def picture(
         self, camera: Camera, width: int, height: int, *, samples: int, executor: Executor
     ) -> FloatArray:
-        """Luminance (height, width) in cd/m², the mean of ``samples`` rays a pixel, nan where there is none."""
+        """Luminance (height, width) in cd/m², the mean of ``samples`` rays a pixel; nan where no pixel is."""
         total = np.zeros(int(camera.mask(width, height).sum()))
         for x, y in stratified_offsets(samples):
             origins, directions = camera.rays(width, height, offset=(float(x), float(y)))
@@ -183,10 +185,12 @@ class RadianceField:
         sides = np.where(front, 1, -1)
         nodes, weights = self._locator.find(paths.points, self.labels[paths.triangles], sides)
         illuminance = np.einsum("kj,kjc->kc", weights, self.values.illuminance[nodes])
-        radiance = self.world.reflectances.diffuse[paths.materials] * illuminance / math.pi
+        radiance: FloatArray = self.world.reflectances.diffuse[paths.materials] * illuminance / math.pi
         detailed = np.flatnonzero(self._degrees[paths.materials] > 0)
         if len(detailed):
-            radiance[detailed] = self._synthesised(paths.outgoing[detailed], nodes[detailed], weights[detailed])
+            radiance[detailed] = self._synthesised(
+                paths.outgoing[detailed], nodes[detailed], weights[detailed]
+            )
         return radiance
 
     def _synthesised(self, outgoing: FloatArray, nodes: IntArray, weights: FloatArray) -> FloatArray:

@@ -30,8 +30,8 @@ class Receivers:
     materials : (r,) int; -1 in space
     identity : (r,) int; number in the whole run, on which the receiver's random numbers depend
     clear_share : (r,) float; roughly how much of the emitters' light is not blocked, found beforehand
-    direct_doublings, near_doublings : (r,) int; how much more often, as power of two, a receiver samples direct
-        light and near field than a batch's effort says; found beforehand, negative for less
+    direct_doublings, near_doublings : (r,) int; how much more often, as power of two, a receiver samples
+        direct light and near field than a batch's effort says; found beforehand, negative for less
     """
 
     points: FloatArray
@@ -55,7 +55,7 @@ class Receivers:
 
 
 def surface_receivers(mesh: NodeMesh, material_degrees: IntArray) -> Receivers:
-    """Receivers at the nodes of a mesh; ``material_degrees`` (n_materials,) says what angular detail to keep."""
+    """Take the nodes of a mesh; ``material_degrees`` (n_materials,) says what angular detail to keep."""
     return replace(
         with_surface(space_receivers(mesh.positions, mesh.normals)),
         frames_x=mesh.frames_x,

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lelight.scene import FloatArray, IntArray, MeasuringPlane, Observer
 
 
@@ -30,7 +33,7 @@ class NodeValues:
     scalar_illuminance: FloatArray
     light_vector: FloatArray
     sh_degree: IntArray
-    radiance_sh: FloatArray
+    radiance_sh: NDArray[np.float32]
 
 
 @dataclass(frozen=True)

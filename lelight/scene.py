@@ -147,7 +147,7 @@ class Scene:
 
 
 def triangle_normals(corners: FloatArray) -> FloatArray:
-    """Unit normals of triangles, zero where a triangle has no area.
+    """Find the unit normals of triangles, zero where a triangle has no area.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def triangle_normals(corners: FloatArray) -> FloatArray:
     """
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(cross, axis=1, keepdims=True)
-    return np.divide(cross, length, out=np.zeros_like(cross), where=length > 0)
+    return np.asarray(np.divide(cross, length, out=np.zeros_like(cross), where=length > 0))
 
 
 def triangle_areas(corners: FloatArray) -> FloatArray:

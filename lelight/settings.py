@@ -51,8 +51,8 @@ class Settings:
     seed : int, of every random number
     threads : int
     batches : int or None; exactly so many batches instead of a target
-    estimator : ``base`` gathers a first field and lets chains carry what it lacks; ``emitters`` lets chains from
-        the emitters carry everything. Both are unbiased, their speed differs.
+    estimator : ``base`` gathers a first field and lets chains carry what it lacks; ``emitters`` lets chains
+        from the emitters carry everything. Both are unbiased, their speed differs.
     """
 
     target: float | None = None

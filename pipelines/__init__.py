@@ -1,1 +1,1 @@
-"""Pipelines: strings of stages that a command runs. They know the physics below and nothing of the command line."""
+"""Pipelines: stages strung together for a command. They know the physics and nothing of the command line."""

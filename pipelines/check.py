@@ -13,7 +13,8 @@ from lelight.reading.loading import load
 from lelight.scene import Scene
 from lelight.settings import Settings
 
-#: Rays a node took to reach a relative error of 1 on the example scenes; the square of the target divides them.
+#: Rays a node took to reach a relative error of 1 on the example scenes; the square of the target divides
+#: them.
 RAYS_AT_UNIT_ERROR = 2.5
 #: Rays a second and thread with everything around them, on the machine where the examples were measured.
 RAYS_PER_SECOND = 1.3e6

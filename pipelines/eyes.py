@@ -51,7 +51,7 @@ def look(field: RadianceField, observer: Observer, *, size: int, samples: int, e
 
 
 def _sources(field: RadianceField, observer: Observer) -> tuple[GlareSource, ...]:
-    """Openings first, point luminaires after them."""
+    """See openings first, point luminaires after them."""
 
     def visible(origins: FloatArray, targets: FloatArray) -> BoolArray:
         back = origins - targets
@@ -64,7 +64,7 @@ def _sources(field: RadianceField, observer: Observer) -> tuple[GlareSource, ...
 
 
 def emitter_patches(field: RadianceField) -> Iterator[EmitterPatch]:
-    """Connected luminous patches of the scene, named by material and number."""
+    """List the connected luminous patches of the scene, named by material and number."""
     emitters = field.world.emitters
     triangles = np.flatnonzero(emitters.of_triangle >= 0)
     numbers: dict[str, int] = {}

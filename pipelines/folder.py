@@ -82,9 +82,7 @@ def write_sights(out: Path, sights: tuple[Sight, ...], stems: Mapping[str, str])
         stem = stems[sight.observer.name]
         write_exr(folder / f"{stem}.exr", sight.luminance, view=sight.view)
         write_hdr(folder / f"{stem}.hdr", np.nan_to_num(sight.luminance), view=sight.view)
-        write_falsecolour(
-            folder / f"{stem}.png", sight.luminance, title=sight.observer.name, limits=limits
-        )
+        write_falsecolour(folder / f"{stem}.png", sight.luminance, title=sight.observer.name, limits=limits)
 
 
 def write_tables(out: Path, table: Mapping[str, Any]) -> None:

@@ -36,7 +36,8 @@ def run_record(
         "scene_file": scene_file,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "plan": [{"decision": d.name, "value": d.value, "reason": d.reason} for d in run.plan.decisions],
-        "settings": run.settings.as_table() | {"edge": run.edge, "target": run.settings.target_error},
+        "settings": run.settings.as_table()
+        | {"edge": round(run.edge, 6), "target": run.settings.target_error},
         "effort": vars(run.effort),
         "seed": run.settings.seed,
         "seconds": _seconds(run, seconds),
@@ -125,7 +126,8 @@ def bias_statements(run: Calculation) -> list[str]:
     """Say in words what the spread of batches cannot show."""
     statements = [
         "Depth: chains and paths end by Russian roulette only; nothing is cut off.",
-        f"Mesh: the estimate holds at the nodes; between them values are linear over edges of {run.edge:.3g} m.",
+        "Mesh: the estimate holds at the nodes; between them values are linear "
+        f"over edges of {run.edge:.3g} m.",
         "Sign: an estimate of almost no light that came out below zero is written as zero.",
     ]
     for material, degree in zip(run.scene.materials, run.plan.degrees, strict=True):

@@ -37,7 +37,9 @@ def table_lines(table: dict[str, Any]) -> list[str]:
     lines = []
     for row in rows(table):
         where = f"{row['group']} {row['name']}".strip()
-        lines.append(f"{where:28} {row['figure']:28} {_measured(row):>24} {row.get('verdict') or ''}".rstrip())
+        lines.append(
+            f"{where:28} {row['figure']:28} {_measured(row):>24} {row.get('verdict') or ''}".rstrip()
+        )
     return lines
 
 

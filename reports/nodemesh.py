@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from lelight.errors import OutputError
-from lelight.writing.polydata import read_polydata
 from lelight.reports.folder import CALC
 from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.writing.polydata import read_polydata
 
 #: cos of the steepest slope that still counts as facing up.
 UPWARD = 0.5

@@ -9,8 +9,8 @@ import numpy as np
 
 from lelight.camera import Fisheye
 from lelight.errors import OutputError
-from lelight.writing.pictures import read_exr
 from lelight.scene import BoolArray, FloatArray
+from lelight.writing.pictures import read_exr
 
 RENDER = "`lelight render OUT` writes it"
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from lelight.mesh.nodes import NodeMesh
-from lelight.writing.paraview import write_paraview_script
 from lelight.results import NodeValues
 from lelight.scene import Observer, PointLuminaire
+from lelight.writing.paraview import write_paraview_script
 from lelight.writing.vtkfiles import write_field, write_luminaires, write_observers
 
 TITLE = "Büro 'a' \"b\" \\ {x} @SETTINGS@\n'''"

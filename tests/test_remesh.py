@@ -10,10 +10,10 @@ from shapes import box, circle, fan, icosphere, l_prism, placed, scene_of, soup,
 
 import lelight.mesh.remesh
 from lelight.mesh.bisection import bisect
-from lelight.reading.loading import load
 from lelight.mesh.patches import patches
 from lelight.mesh.pieces import triangle_quality
 from lelight.mesh.remesh import FAITHFUL, default_edge, remesh
+from lelight.reading.loading import load
 from lelight.scene import triangle_areas, triangle_normals
 
 SCENES = sorted((Path(__file__).parent.parent / "scenes").glob("*.toml"))

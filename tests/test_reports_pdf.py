@@ -13,11 +13,11 @@ import pytest
 from test_reports_resultfolder import figure, make_result_folder
 
 from lelight.errors import OutputError
-from lelight.writing.pictures import write_exr
-from lelight.writing.polydata import PolyData, write_polydata
 from lelight.reports.document import MissingGlyphWarning, timestamp_of
 from lelight.reports.glare import write_glare_report
 from lelight.reports.luminance import write_luminance_report
+from lelight.writing.pictures import write_exr
+from lelight.writing.polydata import PolyData, write_polydata
 
 WRITERS = [write_luminance_report, write_glare_report]
 

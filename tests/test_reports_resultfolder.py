@@ -15,13 +15,13 @@ import pytest
 
 from lelight.camera import Fisheye
 from lelight.errors import OutputError
-from lelight.writing.files import safe_names
-from lelight.writing.pictures import write_exr
-from lelight.writing.polydata import PolyData, write_polydata
 from lelight.reports.folder import open_folder
 from lelight.reports.nodemesh import read_lit_mesh
 from lelight.reports.pictures import read_picture
 from lelight.reports.viewpoints import read_grids
+from lelight.writing.files import safe_names
+from lelight.writing.pictures import write_exr
+from lelight.writing.polydata import PolyData, write_polydata
 
 ROOM = np.array([6.0, 4.0, 3.0])
 PANELS = np.array([[1.5, 2.0, 3.0], [4.5, 2.0, 3.0]])

@@ -14,8 +14,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from lelight.reading.loading import load
-from lelight.tracing.rays import RayCaster
 from lelight.scene import LUMINANCE_WEIGHTS, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
+from lelight.tracing.rays import RayCaster
 
 SCENES = Path(__file__).parents[1] / "scenes"
 NAMES = sorted(path.stem for path in SCENES.glob("*.toml") if path.stem != "hall")

@@ -9,9 +9,9 @@ import OpenImageIO
 import pytest
 from matplotlib import colormaps
 
-from lelight.writing import views
 from lelight.mesh.nodes import NodeMesh
 from lelight.results import NodeValues
+from lelight.writing import views
 from lelight.writing.views import robust_range, visible_triangles, write_overview
 from lelight.writing.vtkfiles import write_field
 

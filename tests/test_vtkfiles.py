@@ -14,10 +14,10 @@ import pyvista
 
 from lelight.channels import channel_suffixes, luminance_weighted
 from lelight.errors import OutputError
-from lelight.writing.files import whole
 from lelight.mesh.nodes import NodeMesh
 from lelight.results import NodeValues, PlaneValues
 from lelight.scene import MeasuringPlane, Observer, PointLuminaire
+from lelight.writing.files import whole
 from lelight.writing.vtkfiles import (
     read_field,
     write_field,

@@ -20,6 +20,7 @@ from lelight.harmonics.hemigrid import HemisphereGrid
 from lelight.harmonics.indices import terms
 from lelight.harmonics.projection import project_groups
 from lelight.harmonics.zonal import reflected
+from lelight.plan import Plan
 from lelight.receivers import Receivers
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.reflection import Reflectances
@@ -39,6 +40,24 @@ class AngularDetail(Protocol):
         self, kept: FloatArray, *, receivers: Receivers, illuminance: FloatArray, reflectances: Reflectances
     ) -> FloatArray:
         """Turn what was kept (r, width, C), and illuminance (r, C), into reflected radiance (r, T, C)."""
+
+
+def angular_detail(
+    plan: Plan, reflectances: Reflectances, *, directions: int | None = None
+) -> AngularDetail | None:
+    """Choose the way that the plan asks for; None where no node keeps angular detail.
+
+    Parameters
+    ----------
+    directions : about how many a grid has over the hemisphere; default as many as the degree needs
+    """
+    if plan.degree == 0:
+        return None
+    if plan.method == "sh":
+        return HarmonicDetail(plan.degree, plan.channels)
+    degree = plan.degree if directions is None else max(1, math.isqrt(directions // 4) - 1)
+    grid = HemisphereGrid(zenith_count=2 * degree + 2, azimuth_count=2 * degree + 1)
+    return GridDetail(grid, min(plan.degree, grid.degree), reflectances)
 
 
 @dataclass(frozen=True)

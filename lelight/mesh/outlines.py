@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lelight.mesh.edges import directed_edges, on_border
-from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.mesh.torn import TornMesh
+from lelight.scene import BoolArray, FloatArray, IntArray
 
 #: Two border edges are one straight line where they turn by less than this angle (rad).
 STRAIGHT = 1e-6

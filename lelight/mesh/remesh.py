@@ -18,8 +18,8 @@ from lelight.mesh.nodes import SurfaceMesh
 from lelight.mesh.outlines import convex_quads
 from lelight.mesh.pieces import Piece, joined, select, triangle_quality, vertex_normals
 from lelight.mesh.quads import grid_quads
-from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 from lelight.mesh.torn import TornMesh, tear
+from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 
 #: How far the area and the extent of a remeshed patch may be off, relative.
 FAITHFUL = 1e-4

@@ -13,8 +13,8 @@ from lelight.reading.inputfile import file_hash, quoted
 from lelight.reading.mtl import read_mtl
 from lelight.reading.obj import ObjGeometry, read_obj
 from lelight.reading.palette import Palette
-from lelight.scene import Scene
 from lelight.reading.surfaces import lit_surfaces
+from lelight.scene import Scene
 
 if TYPE_CHECKING:
     from lelight.reading.scenetables import SceneTables

@@ -14,8 +14,8 @@ import numpy as np
 
 from lelight.errors import InputError
 from lelight.reading.inputfile import decoded, quoted
-from lelight.scene import FloatArray
 from lelight.reading.wavefront import finite_numbers, keyword_and_rest, wavefront_lines
+from lelight.scene import FloatArray
 
 _COLOURS = {b"Kd": "diffuse", b"Ks": "specular", b"Ke": "luminance"}
 

@@ -18,8 +18,8 @@ from lelight.errors import InputError
 from lelight.reading.inputfile import decoded, quoted
 from lelight.reading.materialfiles import material_libraries
 from lelight.reading.polygons import ear_clipping, fan, fan_fails, fan_polygons
-from lelight.scene import FloatArray, IntArray
 from lelight.reading.wavefront import keyword_and_rest, numbers, texture_free, wavefront_lines
+from lelight.scene import FloatArray, IntArray
 
 #: Material of faces that stand before any ``usemtl``.
 NAMELESS = "default"

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
-from lelight.writing.files import whole
 from lelight.scene import FloatArray
+from lelight.writing.files import whole
 
 #: Perceptually ordered, safe for colour-blind eyes, legible in grey print.
 COLOUR_MAP = "viridis"

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from lelight.channels import channel_suffixes, luminance_weighted
 from lelight.errors import OutputError
 from lelight.mesh.nodes import NodeMesh
-from lelight.writing.polydata import PolyData, read_polydata, write_polydata
 from lelight.results import NodeValues
 from lelight.scene import FloatArray, IntArray
+from lelight.writing.polydata import PolyData, read_polydata, write_polydata
 
 SH_CONVENTION = (
     "real orthonormal, no Condon-Shortley phase, index l*l + l + m, "

@@ -1,4 +1,4 @@
-"""The overview's drawing, for a process of its own: ``python -m lelight.writing.overview field.vtp overview.png``."""
+"""Draws the overview in a process of its own: ``python -m lelight.writing.overview FIELD PNG``."""
 
 from __future__ import annotations
 

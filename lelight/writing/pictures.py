@@ -10,8 +10,8 @@ import OpenImageIO
 from numpy.typing import NDArray
 
 from lelight.errors import OutputError
-from lelight.writing.files import whole
 from lelight.scene import FloatArray
+from lelight.writing.files import whole
 
 LUMINANCE_CHANNEL = "Y"
 

@@ -19,8 +19,8 @@ from vtkmodules.vtkCommonMisc import vtkErrorCode
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPolyDataWriter
 
 from lelight.errors import OutputError
-from lelight.writing.files import whole
 from lelight.scene import FloatArray, IntArray
+from lelight.writing.files import whole
 
 Arrays = Mapping[str, NDArray[Any]]
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lelight.writing.files import whole
 from lelight.scene import FloatArray
+from lelight.writing.files import whole
 
 #: Radiance's luminous efficacy of white light in lm/W (``WHTEFFICACY`` in its ``color.h``).
 WHITE_EFFICACY = 179.0

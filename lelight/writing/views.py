@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from lelight.errors import OutputError
-from lelight.writing.files import whole
 from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.writing.files import whole
 
 #: Seconds after which a child that does not draw is given up.
 TIME_LIMIT = 120.0
@@ -34,7 +34,7 @@ def write_overview(path: Path, field_file: Path) -> str | None:
         with whole(path) as beside:
             reason = _draw_in_child(field_file, beside)
             if reason is not None:
-                raise OutputError(f"{path}: not drawn: {reason}")
+                raise OutputError(f"{path.name}: not drawn: {reason}")
     except OutputError as error:
         return str(error)
     return None

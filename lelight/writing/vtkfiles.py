@@ -12,11 +12,11 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from lelight.channels import luminance_weighted
+from lelight.results import PlaneValues
+from lelight.scene import FloatArray, IntArray, Observer, PointLuminaire
 from lelight.writing.fieldfile import read_field, write_field
 from lelight.writing.files import write_text
 from lelight.writing.polydata import PolyData, write_polydata
-from lelight.results import PlaneValues
-from lelight.scene import FloatArray, IntArray, Observer, PointLuminaire
 
 __all__ = ["read_field", "write_field", "write_index", "write_luminaires", "write_observers", "write_plane"]
 

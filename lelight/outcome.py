@@ -1,0 +1,100 @@
+"""What the batches found, as a field, on planes and at eyes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lelight.estimate.angular import AngularDetail
+from lelight.estimate.replicates import Replicates
+from lelight.field import RadianceField
+from lelight.preparation import Stage
+from lelight.receivers import CYLINDRICAL, ILLUMINANCE, SCALAR, VECTOR
+from lelight.results import NodeValues, ObserverValues, PlaneValues
+from lelight.scene import FloatArray, Scene
+
+
+def found_field(
+    scene: Scene, stage: Stage, replicates: Replicates, detail: AngularDetail | None
+) -> RadianceField:
+    """Means over the batches as a field."""
+    nodes = slice(0, len(stage.mesh))
+    direct = replicates.direct[nodes] / replicates.count
+    total = direct + replicates.indirect[nodes] / replicates.count
+    # An unbiased estimate of almost nothing may come out below zero; light does not.
+    total[:, [ILLUMINANCE, SCALAR]] = np.maximum(total[:, [ILLUMINANCE, SCALAR]], 0.0)
+    values = NodeValues(
+        illuminance=total[:, ILLUMINANCE],
+        std_error=replicates.std_error[nodes],
+        direct=np.maximum(direct[:, ILLUMINANCE], 0.0),
+        scalar_illuminance=total[:, SCALAR],
+        light_vector=total[:, VECTOR : VECTOR + 3],
+        sh_degree=stage.receivers.degrees[nodes],
+        radiance_sh=_radiance(stage, replicates, detail, total[:, ILLUMINANCE]),
+    )
+    return RadianceField(scene, stage.mesh, values, stage.labels, stage.world)
+
+
+def _radiance(
+    stage: Stage, replicates: Replicates, detail: AngularDetail | None, illuminance: FloatArray
+) -> NDArray[np.float32]:
+    """Coefficients (n, T, C) of what the nodes reflect: a constant on Lambertian ones."""
+    reflectances = stage.world.reflectances
+    constant: FloatArray = (
+        reflectances.diffuse[stage.mesh.materials] * illuminance / np.pi * np.sqrt(4.0 * np.pi)
+    )
+    if detail is None:
+        return np.asarray(constant[:, None, :], dtype=np.float32)
+    glossy = np.flatnonzero(stage.receivers.degrees > 0)
+    fitted = detail.coefficients(
+        replicates.angular / replicates.count,
+        receivers=stage.receivers[glossy],
+        illuminance=illuminance[glossy],
+        reflectances=reflectances,
+    )
+    radiance: NDArray[np.float32] = np.zeros(
+        (len(stage.mesh), fitted.shape[1], fitted.shape[2]), dtype=np.float32
+    )
+    radiance[:, 0] = constant
+    radiance[glossy] = fitted
+    return radiance
+
+
+def found_on_planes(scene: Scene, stage: Stage, replicates: Replicates) -> tuple[PlaneValues, ...]:
+    """Read the planes' values and replicates off the totals."""
+    by_batch = np.array(replicates.in_space)
+    first = 0
+    planes = []
+    for plane, (points, shape) in zip(scene.planes, stage.grids, strict=True):
+        own = slice(first, first + len(points))
+        at = slice(len(stage.mesh) + own.start, len(stage.mesh) + own.stop)
+        planes.append(
+            PlaneValues(
+                plane=plane,
+                shape=shape,
+                points=points,
+                illuminance=replicates.mean[at],
+                std_error=replicates.std_error[at],
+                cylindrical=by_batch[:, own, CYLINDRICAL].mean(axis=0),
+                replicates=by_batch[:, own, ILLUMINANCE],
+                cylindrical_replicates=by_batch[:, own, CYLINDRICAL],
+            )
+        )
+        first += len(points)
+    return tuple(planes)
+
+
+def found_at_eyes(scene: Scene, stage: Stage, replicates: Replicates) -> tuple[ObserverValues, ...]:
+    """Read the eyes' illuminances off the totals."""
+    indirect = np.array(replicates.indirect_in_space)[..., ILLUMINANCE]
+    total = np.array(replicates.in_space)[..., ILLUMINANCE]
+    first = sum(len(points) for points, _ in stage.grids)
+    return tuple(
+        ObserverValues(
+            observer=eye,
+            direct=float(np.mean(total[:, k] - indirect[:, k])),
+            indirect=float(np.mean(indirect[:, k])),
+            indirect_replicates=indirect[:, k],
+        )
+        for k, eye in enumerate(scene.observers, start=first)
+    )

@@ -1,0 +1,95 @@
+"""Before light is estimated: plan, node mesh, lit sides, receivers and the base field."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lelight.clock import Clock
+from lelight.errors import SceneError
+from lelight.estimate.base import BaseField, solve_base
+from lelight.estimate.direct import with_clear_share
+from lelight.mesh.nodes import NodeMesh, hide, node_mesh
+from lelight.mesh.patches import patches
+from lelight.mesh.remesh import default_edge, remesh
+from lelight.metrics.grid import grid_points
+from lelight.pilot import buried, lit_sides
+from lelight.plan import Decision, Plan, make_plan
+from lelight.receivers import Receivers, joined, space_receivers, surface_receivers
+from lelight.scene import FloatArray, IntArray, Scene
+from lelight.settings import Settings
+from lelight.tracing.world import World, build_world
+
+#: Grid points and eyes are few, and figures are taken from each: they sample so many doublings more than
+#: nodes.
+PLANE_DOUBLINGS, EYE_DOUBLINGS = 2, 6
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Scene, mesh and receivers, ready to be lit.
+
+    Attributes
+    ----------
+    labels : (n_t,) int, patch of each traced triangle
+    receivers : nodes first, then the points of all planes, then the eyes
+    grids : points (k, 3) and shape (rows, columns) of each plane
+    edge : float, m, of the node mesh
+    base : field on which the estimate stands, None where chains from the emitters carry everything
+    """
+
+    world: World
+    labels: IntArray
+    mesh: NodeMesh
+    receivers: Receivers
+    grids: tuple[tuple[FloatArray, tuple[int, int]], ...]
+    edge: float
+    plan: Plan
+    base: BaseField | None
+
+
+def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) -> Stage:
+    """Plan, remesh, find the lit sides and the buried nodes, list the receivers."""
+    plan = make_plan(scene, method=settings.method)
+    labels = patches(scene)
+    edge = settings.edge or default_edge(scene) * settings.values.edge_scale
+    surface = remesh(scene, labels, edge=edge)
+    clock.lap("remesh")
+    world = build_world(scene, plan.channels)
+    lit = lit_sides(scene, world, labels=labels, seed=settings.seed, executor=executor)
+    mesh = node_mesh(surface, lit)
+    if not len(mesh):
+        raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
+    mesh = hide(mesh, buried(world, mesh, seed=settings.seed, executor=executor))
+    clock.lap("pilot")
+    grids = tuple(grid_points(plane) for plane in scene.planes)
+    receivers = _receivers(scene, mesh, plan, grids)
+    sides = Decision(
+        "sides", f"{int(lit.sum())} of {2 * len(lit)} patch sides carry nodes", "the others receive no light"
+    )
+    plan = replace(plan, decisions=(*plan.decisions, sides))
+    receivers = with_clear_share(world, receivers, seed=(settings.seed, 3))
+    base = None
+    if settings.estimator == "base":
+        nodes = receivers[slice(0, len(mesh))]
+        base = solve_base(world, mesh, nodes, labels=labels, lit=lit, seed=settings.seed, executor=executor)
+    clock.lap("base")
+    return Stage(world, labels, mesh, receivers, grids, edge, plan, base)
+
+
+def _receivers(
+    scene: Scene, mesh: NodeMesh, plan: Plan, grids: tuple[tuple[FloatArray, tuple[int, int]], ...]
+) -> Receivers:
+    """Nodes first, then the points of all planes, then the eyes."""
+    parts = [surface_receivers(mesh, plan.degrees)]
+    for plane, (points, _) in zip(scene.planes, grids, strict=True):
+        parts.append(space_receivers(points, _repeated(plane.normal, points), doublings=PLANE_DOUBLINGS))
+    for eye in scene.observers:
+        parts.append(space_receivers(eye.position[None], eye.direction[None], doublings=EYE_DOUBLINGS))
+    return joined(parts)
+
+
+def _repeated(normal: FloatArray, points: FloatArray) -> FloatArray:
+    return np.tile(normal, (len(points), 1))
