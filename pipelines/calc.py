@@ -9,6 +9,7 @@ from pathlib import Path
 from time import perf_counter
 
 from lelight.calculation import Calculation, Progress, calculate
+from lelight.mesh.remesh import remesher_missing
 from lelight.pipelines.eyes import Sight, look
 from lelight.pipelines.figures import figures
 from lelight.pipelines.folder import (
@@ -81,10 +82,13 @@ def _sights(run: Calculation) -> tuple[Sight, ...]:
 
 
 def _warnings(run: Calculation) -> list[str]:
-    """Say what the run did not reach."""
+    """Say what the run did not reach or could not use."""
+    missing = remesher_missing()
+    notes = [missing] if missing else []
     if run.target_met:
-        return []
+        return notes
     return [
+        *notes,
         f"target not reached: relative standard error {run.error.rms:.3g}, "
-        f"asked for {run.settings.target_error:.3g}; give more --time"
+        f"asked for {run.settings.target_error:.3g}; give more --time",
     ]

@@ -14,6 +14,8 @@ from lelight.scene import FloatArray
 LEVEL = 0.01
 #: Cells that expect fewer samples than this are put together: chi-square needs about five (Cochran 1954).
 LEAST_EXPECTED = 5.0
+#: What a sum of integrated probabilities may be off from one.
+QUADRATURE = 1e-3
 
 
 def critical_t(degrees_of_freedom: FloatArray | float, values: int) -> FloatArray:
@@ -53,11 +55,12 @@ def mean_and_error(replicates: FloatArray) -> tuple[FloatArray, FloatArray]:
 def chi_square_level(counts: FloatArray, probabilities: FloatArray) -> float:
     """Probability of counts (cells,) at least as far as these from what the cells' probabilities say.
 
-    Probabilities must sum to one: a density that is off by a factor is an error, not a low level.
+    Probabilities must sum to one as nearly as they are integrated: a density that is off by a factor is an
+    error, not a low level.
     """
     observed, shares = np.ravel(counts).astype(float), np.ravel(probabilities)
-    np.testing.assert_allclose(shares.sum(), 1.0, rtol=1e-6)
-    expected = shares * observed.sum()
+    np.testing.assert_allclose(shares.sum(), 1.0, rtol=QUADRATURE)
+    expected = shares / shares.sum() * observed.sum()
     rare = expected < LEAST_EXPECTED
     if np.any(observed[shares <= 0.0]):
         return 0.0

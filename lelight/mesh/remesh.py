@@ -8,6 +8,7 @@ covers the patch. This module is pymeshlab's only user.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -142,6 +143,18 @@ def _isotropic_inside(vertices: FloatArray, triangles: IntArray, edge: float) ->
     return _run_pymeshlab(vertices, triangles, edge, [{"collapseflag": False}, {"selectedonly": True}])
 
 
+@lru_cache(maxsize=1)
+def remesher_missing() -> str | None:
+    """Say in one line why patches are only bisected here, if pymeshlab cannot be loaded (it links OpenGL)."""
+    try:
+        import pymeshlab  # noqa: F401 - only whether it loads is asked
+    except ImportError as error:
+        return (
+            f"pymeshlab does not load ({error}); patches are bisected instead: install Debian package libgl1"
+        )
+    return None
+
+
 def _run_pymeshlab(
     vertices: FloatArray, triangles: IntArray, edge: float, passes: Sequence[dict[str, bool]]
 ) -> tuple[FloatArray, IntArray]:
@@ -149,6 +162,8 @@ def _run_pymeshlab(
 
     Every flag is named in every call: pymeshlab remembers those of the call before.
     """
+    if remesher_missing() is not None:
+        return np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
     import pymeshlab  # takes 0.2 s, and many runs need none of it
 
     meshes = pymeshlab.MeshSet(verbose=False)
