@@ -33,8 +33,9 @@ from lelight.writing.fieldfile import read_field, write_field
 
 #: Rays evaluated at once by one thread.
 CHUNK = 1 << 15
-#: Draws for the image of the emitters in a glossy surface, as power of two.
-LOG2_HIGHLIGHTS = 4
+#: Draws for the image of the emitters in a glossy surface, as power of two: for a single direction, and for
+#: all the rays of a pixel together.
+LOG2_HIGHLIGHTS, LOG2_HIGHLIGHTS_OF_PIXEL = 6, 4
 #: Mirrors behind mirrors that are followed.
 DEEPEST_MIRROR = 4
 
@@ -120,28 +121,39 @@ class RadianceField:
         return self.seen(points + lift * directions, -directions)
 
     def seen(
-        self, origins: FloatArray, directions: FloatArray, *, executor: Executor | None = None
+        self,
+        origins: FloatArray,
+        directions: FloatArray,
+        *,
+        log2_highlights: int = LOG2_HIGHLIGHTS,
+        executor: Executor | None = None,
     ) -> FloatArray:
-        """Radiance (k, C) in cd/m² seen from places (k, 3), m, along unit directions (k, 3)."""
+        """Radiance (k, C) in cd/m² seen from places (k, 3), m, along unit directions (k, 3).
+
+        Parameters
+        ----------
+        log2_highlights : draws for the image of emitters in a glossy surface, as power of two
+        """
         if executor is None:
             with ThreadPoolExecutor(max_workers=1) as own:
-                return self.seen(origins, directions, executor=own)
+                return self.seen(origins, directions, log2_highlights=log2_highlights, executor=own)
         starts = range(0, len(origins), CHUNK)
         parts = executor.map(
-            lambda first: self._seen_chunk(origins, directions, slice(first, first + CHUNK), first), starts
+            lambda first: self._seen_chunk(origins, directions, first, log2_highlights), starts
         )
         return np.concatenate([np.zeros((0, self.world.channels)), *parts])
 
     def _seen_chunk(
-        self, origins: FloatArray, directions: FloatArray, chunk: slice, first: int
+        self, origins: FloatArray, directions: FloatArray, first: int, log2_highlights: int
     ) -> FloatArray:
+        chunk = slice(first, first + CHUNK)
         count = len(origins[chunk])
-        number = np.arange(count)
-        paths, _ = meet(
-            self.world, number, origins[chunk], directions[chunk], np.ones((count, self.world.channels))
-        )
+        ones = np.ones((count, self.world.channels))
+        paths, _ = meet(self.world, np.arange(count), origins[chunk], directions[chunk], ones)
         radiance = np.zeros((count, self.world.channels))
-        radiance[paths.number] = self.emitted(paths) + self.reflected(paths, paths.number + first)
+        radiance[paths.number] = self.emitted(paths) + self.reflected(
+            paths, paths.number + first, log2_highlights=log2_highlights
+        )
         return radiance
 
     def picture(
@@ -149,9 +161,11 @@ class RadianceField:
     ) -> FloatArray:
         """Luminance (height, width) in cd/m², the mean of ``samples`` rays a pixel; nan where no pixel is."""
         total = np.zeros(int(camera.mask(width, height).sum()))
+        log2_highlights = max(0, LOG2_HIGHLIGHTS_OF_PIXEL - round(math.log2(samples)))
         for x, y in stratified_offsets(samples):
             origins, directions = camera.rays(width, height, offset=(float(x), float(y)))
-            total += luminance_weighted(self.seen(origins, directions, executor=executor))
+            seen = self.seen(origins, directions, log2_highlights=log2_highlights, executor=executor)
+            total += luminance_weighted(seen)
         return as_picture(total / samples, camera.mask(width, height))
 
     def emitted(self, paths: Paths) -> FloatArray:
@@ -165,7 +179,9 @@ class RadianceField:
         luminance[shining] = emitters.luminance[source[shining]]
         return luminance
 
-    def reflected(self, paths: Paths, identity: IntArray, *, depth: int = 0) -> FloatArray:
+    def reflected(
+        self, paths: Paths, identity: IntArray, *, log2_highlights: int = LOG2_HIGHLIGHTS, depth: int = 0
+    ) -> FloatArray:
         """Radiance (k, C) that surfaces reflect toward where the paths came from.
 
         Parameters
@@ -176,7 +192,7 @@ class RadianceField:
         radiance = self.stored(paths)
         glossy = np.flatnonzero(self.world.reflectances.specular_share[paths.materials] > 0)
         if len(glossy):
-            radiance[glossy] += self._mirrored(paths, glossy, identity, depth)
+            radiance[glossy] += self._mirrored(paths, glossy, identity, log2_highlights, depth)
         return radiance
 
     def stored(self, paths: Paths) -> FloatArray:
@@ -200,7 +216,9 @@ class RadianceField:
             synthesise_at(self.values.radiance_sh, degree, nodes, weights, np.ascontiguousarray(local))
         )
 
-    def _mirrored(self, paths: Paths, glossy: IntArray, identity: IntArray, depth: int) -> FloatArray:
+    def _mirrored(
+        self, paths: Paths, glossy: IntArray, identity: IntArray, log2_highlights: int, depth: int
+    ) -> FloatArray:
         """Images of emitters in lobes (g, C); where lobes are too sharp to store, of everything."""
         images, met = highlights(
             self._glossy_world,
@@ -209,13 +227,14 @@ class RadianceField:
             outgoing=paths.outgoing[glossy],
             materials=paths.materials[glossy],
             identity=identity[glossy] * (DEEPEST_MIRROR + 1) + depth,
-            log2_samples=LOG2_HIGHLIGHTS if depth == 0 else 0,
+            log2_samples=log2_highlights,
         )
         sharp = self._degrees[paths.materials[glossy]] == 0
         onward = np.flatnonzero(sharp[met.number])
         if len(onward) and depth < DEEPEST_MIRROR:
             behind = Paths(**{name: column[onward] for name, column in vars(met).items()})
-            seen = self.reflected(behind, identity[glossy][behind.number], depth=depth + 1)
+            own = identity[glossy][behind.number]
+            seen = self.reflected(behind, own, log2_highlights=0, depth=depth + 1)
             np.add.at(images, behind.number, seen * behind.throughput)
         return images
 

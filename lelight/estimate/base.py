@@ -107,8 +107,8 @@ def _rows(
     hits = world.caster.closest(origins, directions)
     met = np.flatnonzero(hits.triangle >= 0)
     triangle = hits.triangle[met]
-    front = np.einsum("kx,kx->k", directions[met], world.normals[triangle]) < 0
-    nodes, weights = locator.find(hits.points[met], labels[triangle], np.where(front, 1, -1))
+    sides = np.where(hits.front[met], 1, -1)
+    nodes, weights = locator.find(hits.points[met], labels[triangle], sides)
     rows = np.repeat(owner[met], nodes.shape[1])
     shape = (len(receivers), nodes_in_all)
     operator = csr_array((weights.ravel() / 2**LOG2_RAYS, (rows, nodes.ravel())), shape=shape)

@@ -85,14 +85,11 @@ def meet(
     hits = world.caster.closest(origins, directions)
     kept = np.flatnonzero(hits.triangle >= 0)
     triangles = hits.triangle[kept]
-    outgoing = -directions[kept]
-    front = np.einsum("kx,kx->k", outgoing, world.normals[triangles]) > 0
-    normals = np.where(front[:, None], world.normals[triangles], -world.normals[triangles])
     paths = Paths(
         number=number[kept],
         points=hits.points[kept],
-        normals=normals,
-        outgoing=outgoing,
+        normals=hits.normals[kept],
+        outgoing=-directions[kept],
         materials=world.materials[triangles],
         triangles=triangles,
         throughput=throughput[kept],

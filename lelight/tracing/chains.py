@@ -153,17 +153,14 @@ def arrive(
     hits = world.caster.closest(origins, directions)
     alive = np.flatnonzero(hits.triangle >= 0)
     triangles = hits.triangle[alive]
-    incoming = -directions[alive]
-    front = np.einsum("kx,kx->k", incoming, world.normals[triangles]) > 0
-    normals = np.where(front[:, None], world.normals[triangles], -world.normals[triangles])
     vertices = ChainVertices(
         points=hits.points[alive],
-        normals=normals,
-        incoming=incoming,
+        normals=hits.normals[alive],
+        incoming=-directions[alive],
         flux=flux[alive],
         materials=world.materials[triangles],
         triangles=triangles,
-        front=front,
+        front=hits.front[alive],
         lobes=np.full(len(alive), BOTH_LOBES),
     )
     return vertices, alive

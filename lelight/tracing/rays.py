@@ -14,6 +14,7 @@ import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore import EmbreeDevice
 from embreex.rtcore_scene import EmbreeScene
+from numba import njit
 from numpy.typing import NDArray
 
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_normals
@@ -36,10 +37,14 @@ class Hits:
     ----------
     triangle : (k,) int, -1 where the ray leaves the scene
     points : (k, 3) float, m; the ray's origin where nothing is hit
+    normals : (k, 3) float, unit, on the side that was hit; zero where nothing is
+    front : (k,) bool, whether that side is the triangle's front
     """
 
     triangle: IntArray
     points: FloatArray
+    normals: FloatArray
+    front: BoolArray
 
 
 class RayCaster:
@@ -73,14 +78,10 @@ class RayCaster:
         directions : (k, 3) float, unit
         """
         found = self._scene.run(self._scaled(origins), directions.astype(np.float32), output=True)
-        triangle = found["primID"].astype(np.int64)
-        u, v = found["u"].astype(np.float64), found["v"].astype(np.float64)
-        corners = self.corners[triangle]
-        weights = np.stack([1.0 - u - v, u, v], axis=1)
-        points = np.einsum("kc,kcx->kx", weights, corners)
-        missed = triangle < 0
-        points[missed] = origins[missed]
-        return Hits(triangle, points)
+        landed = _land(
+            found["primID"], found["u"], found["v"], self.corners, self.normals, origins, directions
+        )
+        return Hits(*landed)
 
     def leave(self, points: FloatArray, normals: FloatArray) -> FloatArray:
         """Move surface points (k, 3) off their surface to the side that ``normals`` (k, 3) point to."""
@@ -101,4 +102,49 @@ class RayCaster:
         return np.asarray(self._scene.run(origins, segments, dists=reach, query="OCCLUDED") < 0)
 
     def _scaled(self, points: FloatArray) -> Float32Array:
-        return ((points - self.centre) * self.scale).astype(np.float32)
+        return np.asarray(_to_unit_cube(points, self.centre, self.scale))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _to_unit_cube(points: FloatArray, centre: FloatArray, scale: float) -> Float32Array:
+    """Recentre and scale in double precision, then round."""
+    scaled = np.empty(points.shape, dtype=np.float32)
+    for k in range(len(points)):
+        for axis in range(3):
+            scaled[k, axis] = (points[k, axis] - centre[axis]) * scale
+    return scaled
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _land(
+    hit: NDArray[np.int32],
+    u: Float32Array,
+    v: Float32Array,
+    corners: FloatArray,
+    normals: FloatArray,
+    origins: FloatArray,
+    directions: FloatArray,
+) -> tuple[IntArray, FloatArray, FloatArray, BoolArray]:
+    """Find triangle, point, normal and side of each hit in double precision; see `Hits`."""
+    count = len(hit)
+    triangles = np.empty(count, dtype=np.int64)
+    points = np.empty((count, 3))
+    facing = np.zeros((count, 3))
+    front = np.zeros(count, dtype=np.bool_)
+    for k in range(count):
+        t = hit[k]
+        triangles[k] = t
+        if t < 0:
+            points[k] = origins[k]
+            continue
+        wb, wc = float(u[k]), float(v[k])
+        wa = 1.0 - wb - wc
+        along = 0.0
+        for axis in range(3):
+            points[k, axis] = wa * corners[t, 0, axis] + wb * corners[t, 1, axis] + wc * corners[t, 2, axis]
+            along += directions[k, axis] * normals[t, axis]
+        front[k] = along < 0.0
+        side = 1.0 if front[k] else -1.0
+        for axis in range(3):
+            facing[k, axis] = side * normals[t, axis]
+    return triangles, points, facing, front
