@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from lelight.calculation import Calculation
-from lelight.cli.options import SCENE, run_options
+from lelight.cli.options import SCENE, NamedPath, run_options
 from lelight.cli.progress import watched
 from lelight.pipelines.calc import run_calc
 from lelight.settings import Settings
@@ -16,23 +16,31 @@ from lelight.settings import Settings
 
 @click.command()
 @SCENE
-@click.option(
-    "-o", "--out", type=click.Path(path_type=Path), help="Result folder. Default: SCENE's stem.lelight."
-)
+@click.option("-o", "--out", type=NamedPath(), help="Result folder. Default: SCENE's stem.lelight.")
 @run_options
 @click.option("--quiet", is_flag=True, help="No progress and no summary.")
 def command(scene: Path, out: Path | None, *, quiet: bool, **chosen: Any) -> None:
     """Compute the light in SCENE (an OBJ, or a TOML that names one) and write all results."""
-    settings = Settings(**{key: value for key, value in chosen.items() if value is not None})
+    given = {name: value for name, value in chosen.items() if value is not None}
+    warnings: list[str] = []
     with watched(quiet=quiet) as (announce, progress):
-        folder, run = run_calc(scene, out, settings=settings, announce=announce, progress=progress)
+        folder, run = run_calc(
+            scene,
+            out,
+            settings=Settings(**given),
+            given=given,
+            announce=announce,
+            warn=warnings.append,
+            progress=progress,
+        )
     if not run.target_met:
         click.echo(
             f"lelight: warning: target {run.settings.target_error:.2%} not reached, got {run.error.rms:.2%}",
             err=True,
         )
     if not quiet:
-        click.echo("\n".join(summary(folder, run)), err=True)
+        told = [f"lelight: warning: {warning}" for warning in warnings]
+        click.echo("\n".join(told + summary(folder, run)), err=True)
 
 
 def summary(folder: Path, run: Calculation) -> list[str]:

@@ -18,8 +18,8 @@ from lelight.settings import Settings
 @run_options
 def command(scene: Path, **chosen: Any) -> None:
     """Read SCENE, trace nothing: the plan, the materials, the lint, and what a run will take."""
-    settings = Settings(**{key: value for key, value in chosen.items() if value is not None})
-    check = run_check(scene, settings=settings)
+    given = {name: value for name, value in chosen.items() if value is not None}
+    check = run_check(scene, settings=Settings(**given), given=given)
     for title, lines in (
         ("Scene", _scene(check)),
         ("Plan", [f"{d.name}: {d.value} ({d.reason})" for d in check.plan.decisions]),

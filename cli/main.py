@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from importlib import import_module
+from typing import Any
 
 import click
 
 import lelight
+from lelight.cli.interruption import end, end_in_time
 from lelight.errors import LelightError
 
 #: Commands by name: the module of this package that holds ``command``, and the line that help shows.
@@ -34,6 +37,13 @@ class LazyGroup(click.Group):
         command: click.Command = import_module(f"lelight.cli.{cmd_name}").command
         return command
 
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command; what click does about Ctrl-C adds an empty line."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            end()
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing any."""
         with formatter.section("Commands"):
@@ -48,20 +58,29 @@ def group() -> None:
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; exit status 0 done, 1 failed, 2 misuse, 130 interrupted."""
+    end_in_time()
+    _show_what_the_terminal_can()
     try:
         status = group.main(arguments, prog_name="lelight", standalone_mode=False)
-    except click.UsageError as error:
+    except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)
     except (click.Abort, KeyboardInterrupt):
-        _fail("interrupted", 130)
+        end()
     except LelightError as error:
         _fail(str(error), 1)
     except MemoryError:
         _fail("not enough memory; give a longer --edge or fewer glossy materials", 1)
-    except BrokenPipeError:
-        sys.exit(1)
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        _fail(f"{where}{error.strerror or error}; check the disk and the permissions", 1)
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _show_what_the_terminal_can() -> None:
+    """Write letters that the terminal's encoding lacks as escapes."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _fail(message: str, status: int) -> None:

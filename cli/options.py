@@ -10,6 +10,26 @@ import click
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
+#: Largest seed, and most directions of a hemisphere grid: those of harmonics far above any that are stored.
+LARGEST_SEED, MOST_DIRECTIONS = 2**63 - 1, 1 << 16
+
+
+class NamedPath(click.Path):
+    """A path that says something and that every file format can hold."""
+
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Refuse the empty path, which would mean the working folder, and bytes that are not UTF-8."""
+        if value == "":
+            self.fail("the path is empty", param, ctx)
+        try:
+            str(value).encode()
+        except UnicodeEncodeError:
+            self.fail(f"the name {ascii(value)} is not UTF-8; rename the file", param, ctx)
+        return super().convert(value, param, ctx)
+
 
 def relative_error(given: str) -> float:
     """Read a share such as ``0.02`` or ``2%``."""
@@ -31,8 +51,21 @@ def seconds(given: str) -> float:
         raise click.BadParameter(str(error)) from error
 
 
-SCENE = click.argument("scene", type=click.Path(path_type=Path))
-OUT = click.argument("out", type=click.Path(path_type=Path))
+def edge_length(given: str) -> float:
+    """Read a length in m, above 0 and no farther than any scene reaches."""
+    from lelight.reading.limits import FARTHEST
+
+    try:
+        length = float(given)
+    except ValueError:
+        length = 0.0
+    if not 0 < length <= FARTHEST:
+        raise click.BadParameter(f"found {given!r}; allowed is a length in m, above 0")
+    return length
+
+
+SCENE = click.argument("scene", type=NamedPath())
+OUT = click.argument("out", type=NamedPath())
 
 _RUN_OPTIONS = [
     click.option(
@@ -41,9 +74,9 @@ _RUN_OPTIONS = [
     click.option("--time", type=seconds, metavar="TIME", help="Stop at this budget, e.g. 60s."),
     click.option("--preset", type=click.Choice(["draft", "normal", "fine"]), help="Default: normal."),
     click.option("--method", type=click.Choice(["sh", "grid"]), help="Angular detail of glossy nodes."),
-    click.option("--edge", type=click.FloatRange(min=0, min_open=True), help="Edge of the node mesh, m."),
-    click.option("--directions", type=click.IntRange(min=16), help="Directions of --method grid."),
-    click.option("--seed", type=click.IntRange(min=0), help="Seed of every random number. Default: 0."),
+    click.option("--edge", type=edge_length, metavar="LENGTH", help="Edge of the node mesh, m."),
+    click.option("--directions", type=click.IntRange(16, MOST_DIRECTIONS), help="Directions of --method grid."),
+    click.option("--seed", type=click.IntRange(0, LARGEST_SEED), help="Seed of every random number. Default: 0."),
     click.option("--threads", type=click.IntRange(min=1), help="Default: all that may be used."),
 ]
 

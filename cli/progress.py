@@ -6,9 +6,14 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+import click
+
 from lelight.calculation import Standing
 
 Watch = tuple[Callable[[str], None], Callable[[Standing], None]]
+
+#: Seconds between two lines of a log.
+LOG_INTERVAL = 10.0
 
 
 @contextmanager
@@ -20,7 +25,7 @@ def watched(*, quiet: bool) -> Iterator[Watch]:
         with _live() as watch:
             yield watch
     else:
-        yield (lambda stage: print(f"lelight: {stage}", file=sys.stderr)), (lambda _: None)
+        yield (lambda _: None), _log()
 
 
 @contextmanager
@@ -31,9 +36,22 @@ def _live() -> Iterator[Watch]:
         yield status.update, (lambda standing: status.update(_line(standing)))
 
 
+def _log() -> Callable[[Standing], None]:
+    """For files and pipes: a line at the first batch, when the scene has proved sound, and then now and again."""
+    due = 0.0
+
+    def log(standing: Standing) -> None:
+        nonlocal due
+        if standing.seconds >= due:
+            click.echo(f"lelight: {_line(standing)}", err=True)
+            due = standing.seconds + LOG_INTERVAL
+
+    return log
+
+
 def _line(standing: Standing) -> str:
     """Say how far the estimate is and how long it may take."""
-    text = f"estimating: {standing.batches} batches, {standing.seconds:.0f} s"
+    text = f"estimating: batch {standing.batches}, {standing.seconds:.0f} s"
     if standing.error is None:
         return text
     reached = f"{text}, error {standing.error.rms:.2%} of {standing.target:.2%}"

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from time import perf_counter
 
 from lelight.calculation import Calculation, Progress, calculate
 from lelight.mesh.remesh import remesher_missing
+from lelight.pipelines.beginning import begin
 from lelight.pipelines.eyes import Sight, look
 from lelight.pipelines.figures import figures
 from lelight.pipelines.folder import (
@@ -21,10 +22,9 @@ from lelight.pipelines.folder import (
     write_tables,
 )
 from lelight.pipelines.record import run_record
-from lelight.reading.loading import load
 from lelight.settings import Settings
 
-#: Told the name of each stage as it begins.
+#: Told the name of each stage as it begins, or what is odd about a run.
 Announce = Callable[[str], None]
 
 
@@ -38,10 +38,17 @@ def run_calc(
     out: Path | None = None,
     *,
     settings: Settings,
+    given: Collection[str] = (),
     announce: Announce = lambda _: None,
+    warn: Announce = lambda _: None,
     progress: Progress = lambda _: None,
 ) -> tuple[Path, Calculation]:
     """Compute a scene and write all its results.
+
+    Parameters
+    ----------
+    given : names of the settings that win over the scene file's ``[calc]`` table
+    warn : told, once all is written, what ``run.json`` lists as warnings beside a target that was missed
 
     Returns
     -------
@@ -50,7 +57,7 @@ def run_calc(
     """
     started = perf_counter()
     announce("reading")
-    scene = load(scene_path)
+    scene = begin(scene_path, settings, given=given)
     out = out if out is not None else default_out(scene_path)
     prepare_folder(out)
     read = perf_counter()
@@ -59,15 +66,17 @@ def run_calc(
     announce("writing")
     written = perf_counter()
     stems = file_stems(run)
-    warnings = [*scene.warnings, *_warnings(run), *write_geometry(out, run, stems)]
+    warnings = [*scene.warnings, *_missing_parts(), *write_geometry(out, run, stems)]
     sights = _sights(run)
     write_sights(out, sights, stems["observers"])
     write_tables(out, figures(run, sights, stems))
     now = perf_counter()
     seconds = {"read": read - started, "write": now - written, "total": now - started}
     scene_file = Path(os.path.relpath(scene_path, out)).as_posix()
-    record = run_record(run, scene_file=scene_file, seconds=seconds, warnings=warnings)
+    record = run_record(run, scene_file=scene_file, seconds=seconds, warnings=[*warnings, *_missed_target(run)])
     write_json(out / "run.json", record)
+    for warning in warnings:
+        warn(warning)
     return out, run
 
 
@@ -81,14 +90,17 @@ def _sights(run: Calculation) -> tuple[Sight, ...]:
         )
 
 
-def _warnings(run: Calculation) -> list[str]:
-    """Say what the run did not reach or could not use."""
+def _missing_parts() -> list[str]:
+    """Say what this machine lacks and the run had to do without."""
     missing = remesher_missing()
-    notes = [missing] if missing else []
+    return [missing] if missing else []
+
+
+def _missed_target(run: Calculation) -> list[str]:
+    """Say by how much the target was missed."""
     if run.target_met:
-        return notes
+        return []
     return [
-        *notes,
         f"target not reached: relative standard error {run.error.rms:.3g}, "
         f"asked for {run.settings.target_error:.3g}; give more --time",
     ]

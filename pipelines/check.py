@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import default_edge, remesh
+from lelight.pipelines.beginning import begin
 from lelight.plan import Plan, make_plan
 from lelight.reading.lint import Finding, MaterialRow, lint, material_table
-from lelight.reading.loading import load
 from lelight.scene import Scene
 from lelight.settings import Settings
 
@@ -42,9 +43,9 @@ class Check:
     memory: float
 
 
-def run_check(scene_path: Path, *, settings: Settings) -> Check:
+def run_check(scene_path: Path, *, settings: Settings, given: Collection[str] = ()) -> Check:
     """Read, plan, lint and remesh a scene, and foretell what a run will take."""
-    scene = load(scene_path)
+    scene = begin(scene_path, settings, given=given)
     settings = settings.over(scene.settings)
     plan = make_plan(scene, method=settings.method)
     edge = settings.edge or default_edge(scene) * settings.values.edge_scale

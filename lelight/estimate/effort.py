@@ -31,12 +31,15 @@ TRIAL = (4, 3, 4)
 WANTED_BATCHES = 12
 #: A shadow ray of the pair kernel is coherent with its neighbours; others cost about this much more.
 INCOHERENT_COST = 2.5
-#: Most that a receiver's samples are doubled or halved.
-MOST_DOUBLINGS = 3
-#: How much the variance found at one receiver in a few trials is drawn toward that of all.
-CAUTION = 0.2
-#: Bound of the split for chains that carry only what a base lacks, against that for chains that carry all.
-BASE_BOUND_FACTOR = 0.2
+#: Most that a receiver's samples are doubled, and halved.
+MOST_DOUBLINGS, MOST_HALVINGS = 3, 1
+#: How much the variance found at one receiver in a few trials is drawn toward that of all: rare bright paths
+#: may have missed it in the trials and will not in the run.
+CAUTION = 0.5
+#: Bounds of the split that are tried, against that of 1024 chains, and receivers they are tried on.
+BOUNDS_ON_BASE = (0.1, 0.4, 1.6, 6.4)
+BOUNDS_OF_EMITTERS = (0.8, 3.2, 12.8)
+BOUND_RECEIVERS = 512
 #: Least samples of the parts in a batch, and most, as powers of two.
 LEAST, MOST = (5, 2, 2), 16
 #: Seeds of trials are apart from those of batches.
@@ -56,10 +59,17 @@ class Spread:
     variance: FloatArray
     cost: FloatArray
 
+    def shared_out(
+        self, direct: IntArray, near: IntArray, areas: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Variance (3,) and cost (3,) of the parts when receivers double their samples as told."""
+        spent = np.stack([np.ones(len(direct)), 2.0**direct, 2.0**near])
+        return np.average(self.variance / spent, axis=1, weights=areas), self.cost * spent.mean(axis=1)
 
-def bound_for(area: float, chains: float, *, on_base: bool) -> float:
-    """Bound b in 1/m² of the split kernel: 1/(4 s)², s the spacing of chains on the scene's area."""
-    return chains / (16.0 * area) * (BASE_BOUND_FACTOR if on_base else 1.0)
+
+def bound_for(area: float, chains: float) -> float:
+    """Bound b in 1/m² of the split kernel: 1/(4 s)², s the spacing of the chains' feet on the scene's area."""
+    return chains / (16.0 * area)
 
 
 def choose_effort(
@@ -84,18 +94,41 @@ def choose_effort(
     effort : of one batch
     receivers : the same, each with its own share of the samples
     """
-    chains = 1024.0 if base is not None else 8192.0
-    bound = bound_for(world.area, chains, on_base=base is not None)
+    bound = _best_bound(world, receivers, base, areas, seed, executor)
     spread = _spread(world, receivers, base, bound, areas, seed, executor)
     direct, near = _doublings(spread.variance[1]), _doublings(spread.variance[2])
-    spent = np.stack([np.ones(len(receivers)), 2.0**direct, 2.0**near])
-    variance = np.average(spread.variance / spent, axis=1, weights=areas)
-    samples = _samples(variance, spread.cost * spent.mean(axis=1), target)
+    samples = _samples(*spread.shared_out(direct, near, areas), target)
     log2 = [round(float(np.log2(max(1.0, count / WANTED_BATCHES)))) for count in samples]
-    log2_chains, log2_direct, log2_near = np.clip(log2, LEAST, MOST).tolist()
-    bound = bound_for(world.area, WANTED_BATCHES * 2.0**log2_chains, on_base=base is not None)
-    effort = Effort(log2_chains, log2_direct, log2_near, bound)
-    return effort, replace(receivers, direct_doublings=direct, near_doublings=near)
+    log2 = [min(max(least, each), MOST) for each, least in zip(log2, LEAST, strict=True)]
+    shared_out = replace(
+        receivers,
+        direct_doublings=receivers.direct_doublings + direct,
+        near_doublings=receivers.near_doublings + near,
+    )
+    return Effort(*log2, bound=bound), shared_out
+
+
+def _best_bound(
+    world: World,
+    receivers: Receivers,
+    base: BaseField | None,
+    areas: FloatArray,
+    seed: int,
+    executor: Executor,
+) -> float:
+    """Bound that asks for the fewest rays, among a few, tried on some of the receivers."""
+    counting = np.flatnonzero(areas > 0)
+    chosen = counting[:: max(1, len(counting) // BOUND_RECEIVERS)]
+    few = receivers[chosen]
+    factors = BOUNDS_OF_EMITTERS if base is None else BOUNDS_ON_BASE
+    bounds = [factor * bound_for(world.area, 1024.0) for factor in factors]
+    work = []
+    for bound in bounds:
+        spread = _spread(world, few, base, bound, areas[chosen], seed, executor)
+        direct, near = _doublings(spread.variance[1]), _doublings(spread.variance[2])
+        variance, cost = spread.shared_out(direct, near, areas[chosen])
+        work.append(float(np.sqrt(variance * cost).sum()))
+    return bounds[int(np.argmin(work))]
 
 
 def _doublings(variance: FloatArray) -> IntArray:
@@ -105,7 +138,7 @@ def _doublings(variance: FloatArray) -> IntArray:
         return np.zeros(len(variance), dtype=np.int64)
     share = np.sqrt((1.0 - CAUTION) * variance + CAUTION * typical)
     doublings = np.rint(np.log2(share / share.mean()))
-    return np.asarray(np.clip(doublings, -MOST_DOUBLINGS, MOST_DOUBLINGS), dtype=np.int64)
+    return np.asarray(np.clip(doublings, -MOST_HALVINGS, MOST_DOUBLINGS), dtype=np.int64)
 
 
 def _samples(variance: FloatArray, cost: FloatArray, target: float) -> FloatArray:

@@ -116,6 +116,9 @@ Exponent = Annotated[float, number(0, SHARPEST)]
 #: Greater than 0.
 Positive = Annotated[float, number(above=0)]
 
+#: Length in m, greater than 0.
+Length = Annotated[float, number(upper=FARTHEST, above=0)]
+
 #: Relative standard error, :func:`relative_error`.
 RelativeError = Annotated[float, BeforeValidator(relative_error)]
 

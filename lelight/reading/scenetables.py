@@ -12,11 +12,13 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from lelight.metrics.grid import cell_counts
 from lelight.reading.quantities import (
     Colour,
     Direction,
     Exponent,
     Flux,
+    Length,
     Position,
     Positive,
     Reflectance,
@@ -30,6 +32,9 @@ UpAxis = Literal["z", "y"]
 
 #: Shortest edge of a measuring plane in m.
 SHORTEST_EDGE = 1e-6
+
+#: Points of a plane's grid; a square kilometre has as many at the largest spacing of 10 m.
+MOST_GRID_POINTS = 10_000
 
 
 class Table(BaseModel):
@@ -121,6 +126,12 @@ class PlaneTable(Table):
             )
         if np.linalg.norm(np.cross(u, v)) < 1e-6 * np.prod(lengths):
             raise ValueError("u and v are parallel; allowed are edges that span a rectangle")
+        columns, rows = cell_counts(float(lengths[0]), float(lengths[1]))
+        if columns * rows > MOST_GRID_POINTS:
+            raise ValueError(
+                f"its grid (EN 12464-1) has {columns * rows} points; allowed are {MOST_GRID_POINTS}; "
+                "give a shorter or a less slender plane"
+            )
         return self
 
 
@@ -143,12 +154,12 @@ class CalcTable(Table):
     time: Seconds | None = None
     preset: Literal["draft", "normal", "fine"] | None = None
     method: Literal["sh", "grid"] | None = None
-    edge: Positive | None = None
+    edge: Length | None = None
     seed: Annotated[int, Field(ge=0, lt=2**63)] | None = None
     threads: Count | None = None
     chains: Annotated[Count, AfterValidator(_power_of_two)] | None = None
-    batches: Count | None = None
-    directions: Count | None = None
+    batches: Annotated[Count, Field(ge=2)] | None = None
+    directions: Annotated[int, Field(ge=16, le=2**16)] | None = None
 
 
 class SceneTables(Table):

@@ -31,8 +31,14 @@ _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 LOCAL_CHOICE_LIMIT = 256
 #: A triangle is far where its distance squared is this many times its area; there one point stands for it.
 FAR = 25.0
+#: Heights over a triangle's plane that are none: this share of its size, and this share of the coordinates,
+#: which is a few dozen of their roundings. A lamp gives no light in its own plane.
+FLAT, ROUNDING = 1e-9, 1e-14
 #: Least cosine that a far triangle partly above the horizon is given, so that none is left out.
 LOW = 0.1
+#: Within this many radii of a triangle's middle, that middle says little: a place low over the plane may be lit
+#: by the part next to it, however flat the middle is seen, and gets the least cosine.
+NEAR = 2.0
 
 
 class Emitters(NamedTuple):
@@ -52,7 +58,8 @@ class Emitters(NamedTuple):
     weights : (C,) float, luminance weights of the channels
     of_triangle : (n_t,) int, number of the source that a scene triangle is, or -1
     sketch : (T + P, 10) float, what `rough_cdf` looks at: middle (3), normal (3), radius in m around it,
-        area over pi in m², power in lm, 1 where both sides emit; points have no normal, radius or area
+        area over pi in m², pi times the largest intensity, 1 where both sides emit; points have no normal,
+        radius or area
     """
 
     corners: FloatArray
@@ -122,8 +129,49 @@ def _sketch(emitters: Emitters) -> FloatArray:
     sketch[:triangles, 7] = emitters.areas / math.pi
     sketch[:triangles, 9] = emitters.both_sides
     sketch[triangles:, :3] = emitters.positions
-    sketch[:, 8] = emitters.power
+    sketch[:triangles, 8] = emitters.power[:triangles] / np.where(emitters.both_sides, 2.0, 1.0)
+    sketch[triangles:, 8] = emitters.power[triangles:] / 4.0
     return sketch
+
+
+@njit(**_COMPILED)
+def _rough_importance(
+    sketch: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float
+) -> float:
+    """Illuminance in lx that a source (10,) would give if all of it were in its middle, roughly."""
+    dx, dy, dz = sketch[0] - x, sketch[1] - y, sketch[2] - z
+    rise = dx * nx + dy * ny + dz * nz
+    if rise + sketch[6] <= 0.0:
+        return 0.0
+    square = dx * dx + dy * dy + dz * dz
+    distance = math.sqrt(square)
+    if sketch[7] <= 0.0:
+        return float(sketch[8] * rise / (distance * square))
+    height = -(dx * sketch[3] + dy * sketch[4] + dz * sketch[5])
+    if _in_plane(height, sketch[6], x, y, z) or (height < 0.0 and sketch[9] <= 0.0):
+        return 0.0
+    cos_there, cos_here = abs(height) / distance, max(rise / distance, LOW)
+    if distance < NEAR * sketch[6]:
+        cos_there = max(cos_there, LOW)
+    return float(sketch[8] * cos_there * cos_here / (square + sketch[7]))
+
+
+@njit(**_COMPILED)
+def _in_plane(height: float, size: float, x: float, y: float, z: float) -> bool:
+    """Say whether rounding alone may have lifted a place to this height over a triangle's plane."""
+    return abs(height) <= FLAT * size + ROUNDING * (abs(x) + abs(y) + abs(z))
+
+
+@njit(**_COMPILED)
+def _height(emitters: Emitters, source: int, x: float, y: float, z: float) -> float:
+    """Height in m of a place over a triangle's plane, 0 in it and negative where it does not shine."""
+    corners, normal = emitters.corners[source], emitters.normals[source]
+    height = (
+        (x - corners[0, 0]) * normal[0] + (y - corners[0, 1]) * normal[1] + (z - corners[0, 2]) * normal[2]
+    )
+    if _in_plane(height, math.sqrt(emitters.areas[source]), x, y, z):
+        return 0.0
+    return float(abs(height) if emitters.both_sides[source] else height)
 
 
 @njit(**_COMPILED)
@@ -137,25 +185,9 @@ def rough_cdf(
     bool : False where no source can light this place
     """
     total = 0.0
-    share = len(sketch) <= LOCAL_CHOICE_LIMIT
+    local = len(sketch) <= LOCAL_CHOICE_LIMIT
     for s in range(len(sketch)):
-        if not share:
-            total += sketch[s, 8]
-            scratch[s] = total
-            continue
-        dx, dy, dz = sketch[s, 0] - x, sketch[s, 1] - y, sketch[s, 2] - z
-        rise = dx * nx + dy * ny + dz * nz
-        if rise + sketch[s, 6] > 0.0:
-            square = dx * dx + dy * dy + dz * dz
-            distance = math.sqrt(square)
-            cos_there = 1.0
-            if sketch[s, 7] > 0.0:
-                cos_there = -(dx * sketch[s, 3] + dy * sketch[s, 4] + dz * sketch[s, 5]) / distance
-                if sketch[s, 9] > 0.0:
-                    cos_there = abs(cos_there)
-            if cos_there > 0.0:
-                cos_here = max(rise / distance, LOW) if sketch[s, 7] > 0.0 else rise / distance
-                total += sketch[s, 8] * cos_there * cos_here / (square + sketch[s, 7])
+        total += _rough_importance(sketch[s], x, y, z, nx, ny, nz) if local else sketch[s, 8]
         scratch[s] = total
     if not total > 0.0:
         return False
@@ -178,18 +210,13 @@ def _triangle_importance(
 ) -> float:
     """Illuminance from a triangle were nothing in between: exact when near, by one point when far."""
     corners, area = emitters.corners[source], emitters.areas[source]
-    brightness = emitters.power[source] / area
+    height = _height(emitters, source, x, y, z)
+    if height <= 0.0:
+        return 0.0
+    brightness = emitters.power[source] / (2.0 * area if emitters.both_sides[source] else area)
     mx = (corners[0, 0] + corners[1, 0] + corners[2, 0]) / 3.0 - x
     my = (corners[0, 1] + corners[1, 1] + corners[2, 1]) / 3.0 - y
     mz = (corners[0, 2] + corners[1, 2] + corners[2, 2]) / 3.0 - z
-    normal = emitters.normals[source]
-    height = (
-        (x - corners[0, 0]) * normal[0] + (y - corners[0, 1]) * normal[1] + (z - corners[0, 2]) * normal[2]
-    )
-    if height <= 0.0:
-        if height == 0.0 or not emitters.both_sides[source]:
-            return 0.0
-        height = -height
     square = mx * mx + my * my + mz * mz
     if square < FAR * area:
         if on_surface:
@@ -256,7 +283,7 @@ def choice_cdf(
             )
             square = dx * dx + dy * dy + dz * dz
             cos_here = (dx * nx + dy * ny + dz * nz) / math.sqrt(square) if on_surface else 1.0
-            if cos_here > 0.0:
+            if square > 0.0 and cos_here > 0.0:
                 total += emitters.power[source] * cos_here / (4.0 * square)
         scratch[source] = total
     if not total > 0.0:
@@ -347,15 +374,9 @@ def unshadowed(
     triangles = len(emitters.areas)
     for source in range(len(emitters.power)):
         if source < triangles:
-            corners, normal = emitters.corners[source], emitters.normals[source]
-            height = (
-                (x - corners[0, 0]) * normal[0]
-                + (y - corners[0, 1]) * normal[1]
-                + (z - corners[0, 2]) * normal[2]
-            )
-            if height == 0.0 or (height < 0.0 and not emitters.both_sides[source]):
+            if _height(emitters, source, x, y, z) <= 0.0:
                 continue
-            factor = triangle_irradiance(corners, x, y, z, nx, ny, nz)
+            factor = triangle_irradiance(emitters.corners[source], x, y, z, nx, ny, nz)
         else:
             p = source - triangles
             dx, dy, dz = (
@@ -364,6 +385,9 @@ def unshadowed(
                 emitters.positions[p, 2] - z,
             )
             square = dx * dx + dy * dy + dz * dz
-            factor = max(0.0, dx * nx + dy * ny + dz * nz) / (square * math.sqrt(square))
+            # A place where a lamp hangs has no direction to it, and is given none of its light.
+            factor = (
+                max(0.0, dx * nx + dy * ny + dz * nz) / (square * math.sqrt(square)) if square > 0 else 0.0
+            )
         for c in range(len(illuminance)):
             illuminance[c] += factor * source_strength(emitters, source, c)
