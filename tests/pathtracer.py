@@ -1,4 +1,4 @@
-"""The plainest path tracer there is, to hold lelight against: embree and NumPy, nothing of lelight but the scene.
+"""The plainest path tracer there is, to hold lelight against: embree, NumPy, and of lelight the scene only.
 
 Every direction is drawn by the cosine whatever the material, every lamp point by area, every path ends by
 roulette. It is slow and hard to get wrong, and shares no code with what it tests.
@@ -17,7 +17,7 @@ LIFT = 2e-5
 
 
 class PathTracer:
-    """Unbiased estimates, one a path, of illuminance and radiance in a scene of a few metres near the origin."""
+    """Unbiased estimates, one a path, of illuminance and radiance in a scene of a few metres."""
 
     def __init__(self, scene: Scene, *, seed: int) -> None:
         self.scene, self.rng = scene, np.random.default_rng(seed)
@@ -25,7 +25,10 @@ class PathTracer:
         cross = np.cross(self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0])
         self.area = np.linalg.norm(cross, axis=1) / 2
         self.normals = cross / (2 * self.area[:, None])
-        table = {k: np.array([getattr(m, k) for m in scene.materials]) for k in ("diffuse", "specular", "luminance")}
+        table = {
+            k: np.array([getattr(m, k) for m in scene.materials])
+            for k in ("diffuse", "specular", "luminance")
+        }
         of = scene.triangle_materials
         self.kd, self.ks, self.emitted = table["diffuse"][of], table["specular"][of], table["luminance"][of]
         self.exponent = np.array([m.exponent for m in scene.materials])[of]
@@ -43,14 +46,16 @@ class PathTracer:
         return (direct + gathered).reshape(-1, paths, 3)
 
     def radiance(self, origins: FloatArray, directions: FloatArray, *, paths: int) -> FloatArray:
-        """Estimates (k, paths, 3) in cd/m² of what is seen from free points (k, 3) along unit directions (k, 3)."""
+        """Estimates (k, paths, 3) in cd/m² of what free points (k, 3) see along unit directions (k, 3)."""
         origins, directions = np.repeat(origins, paths, axis=0), np.repeat(directions, paths, axis=0)
-        return self._incoming(origins, np.zeros_like(origins), directions, emission=True).reshape(-1, paths, 3)
+        return self._incoming(origins, np.zeros_like(origins), directions, emission=True).reshape(
+            -1, paths, 3
+        )
 
     def _incoming(
         self, points: FloatArray, normals: FloatArray, directions: FloatArray, *, emission: bool
     ) -> FloatArray:
-        """Radiance that arrives at points against directions; that of lamps themselves only where asked for."""
+        """Radiance that arrives at points against directions; of lamps themselves only where asked for."""
         light, weight = np.zeros_like(points), np.ones_like(points)
         path = np.arange(len(points))
         while len(path):
@@ -75,7 +80,9 @@ class PathTracer:
             weight = weight[alive] / survival[alive, None]
         return light
 
-    def _brdf(self, triangle: FloatArray, normals: FloatArray, back: FloatArray, toward: FloatArray) -> FloatArray:
+    def _brdf(
+        self, triangle: FloatArray, normals: FloatArray, back: FloatArray, toward: FloatArray
+    ) -> FloatArray:
         """Diffuse and modified Phong reflection (Lafortune & Willems 1994), 1/sr."""
         mirror = 2 * np.einsum("kx,kx->k", back, normals)[:, None] * normals - back
         cosine = np.maximum(np.einsum("kx,kx->k", mirror, toward), 0.0)
@@ -83,7 +90,7 @@ class PathTracer:
         return self.kd[triangle] / np.pi + self.ks[triangle] * lobe[:, None]
 
     def _lamp_light(self, points: FloatArray, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Radiance times solid angle (k, 3) of one lamp point each, drawn by area, and the unit way there (k, 3)."""
+        """Radiance times solid angle (k, 3) of one lamp point each, drawn by area, and the unit way there."""
         share = self.area[self.lamps] / self.area[self.lamps].sum()
         lamp = self.rng.choice(self.lamps, size=len(points), p=share)
         weights = self.rng.dirichlet(np.ones(3), size=len(points))

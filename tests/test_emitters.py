@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rooms import grey, lamp, lit, normalised, panel
 from shapes import box
@@ -125,6 +125,7 @@ def contributions(emitters, place, normal, *, on_surface=True):
     return light
 
 
+@settings(deadline=None)
 @given(place=places, normal=directions)
 def test_choice_is_a_distribution_and_leaves_no_source_out_that_contributes(place, normal):
     emitters = made()
@@ -215,18 +216,15 @@ def test_unshadowed_is_the_sum_of_lambert_and_inverse_square():
 
 def test_a_one_sided_panel_gives_nothing_behind_and_a_two_sided_one_the_same_both_ways():
     emitters = made(luminaires=())
-    behind = np.zeros(1)
-    unshadowed(emitters._replace(luminance=np.array([[10.0], [10.0], [0.0], [0.0]])), 0.5, 0.5, 4.0, 0, 0, -1.0, behind)
-    assert behind[0] == 0.0
+    assert contributions(emitters, (0.5, 0.5, 4.0), (0.0, 0.0, -1.0))[:2].sum() == 0.0
     assert not shines(emitters, 0, (0.0, 0.0, -1.0))
     assert shines(emitters, 0, (0.0, 0.0, 1.0))
     assert shines(emitters, 2, (1.0, 0.0, 0.0))
     assert shines(emitters, 2, (-1.0, 0.0, 0.0))
-    sides = [np.zeros(1), np.zeros(1)]
-    unshadowed(emitters._replace(luminance=np.array([[0.0], [0.0], [3.0], [3.0]])), 2.0, 0.5, 2.5, 1.0, 0, 0, sides[0])
-    unshadowed(emitters._replace(luminance=np.array([[0.0], [0.0], [3.0], [3.0]])), 4.0, 0.5, 2.5, -1.0, 0, 0, sides[1])
-    assert sides[0][0] == pytest.approx(sides[1][0], rel=EXACT)
-    assert sides[0][0] > 0
+    front = contributions(emitters, (2.0, 0.5, 2.5), (1.0, 0.0, 0.0))[2:]
+    back = contributions(emitters, (4.0, 0.5, 2.5), (-1.0, 0.0, 0.0))[2:]
+    assert np.all(front > 0.0)
+    np.testing.assert_allclose(back, front, rtol=EXACT)
 
 
 def test_drawn_density_is_share_times_the_density_of_the_triangle():
@@ -238,19 +236,52 @@ def test_drawn_density_is_share_times_the_density_of_the_triangle():
     assert drawn_density(emitters, cdf, 1, *place, direction) == pytest.approx(density / 6, rel=EXACT)
 
 
-@pytest.mark.parametrize("corner", [0, 1, 2])
-def test_a_place_in_a_corner_of_a_lamp_gets_finite_light(corner):
-    """There directions to the corner do not exist; the lamp itself gives nothing in its own plane."""
-    emitters = made(luminaires=(POINTS[0],))
-    for triangle in range(4):
-        place = emitters.corners[triangle, corner]
-        for on_surface in (True, False):
-            cdf = np.empty(5)
-            assert choice_cdf(emitters, *place, 0.0, 0.0, -1.0, on_surface, cdf)
-            assert np.all(np.isfinite(cdf))
-        total = np.zeros(1)
-        unshadowed(emitters, *place, 0.0, 0.0, -1.0, total)
-        assert np.isfinite(total[0])
+corners_in_space = st.lists(places, min_size=3, max_size=3).map(np.array).filter(
+    lambda corners: np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0])) > 0.1
+)
+
+
+@settings(deadline=None)
+@given(
+    corners=corners_in_space,
+    weights=st.sampled_from([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.5, 0.5, 0), (0.25, 0, 0.75), (0.2, 0.3, 0.5)]),
+    shift=st.sampled_from([0.0, 5e6]),
+)
+def test_a_lamp_gives_no_light_in_its_own_plane_however_it_is_turned(corners, weights, shift):
+    """Corners, edges and the inside: all light is the point's, though rounding lifts places off the plane."""
+    corners = corners + shift
+    triangle = (corners, np.array([[0, 1, 2]]))
+    point = lamp(tuple(corners.mean(axis=0) + [0.0, 0.0, 20.0]))
+    scene = lit(triangle, materials=[MATERIALS[1]], luminaires=(point,))
+    emitters = collect_emitters(scene, channel_matrix(1))
+    place = np.array(weights) @ corners
+    shares = np.empty(2)
+    for found in (
+        choice_cdf(emitters, *place, 0.0, 0.0, 1.0, True, shares),
+        choice_cdf(emitters, *place, 0.0, 0.0, 1.0, False, shares),
+        rough_cdf(emitters.sketch, *place, 0.0, 0.0, 1.0, shares),
+    ):
+        assert found
+        assert np.array_equal(shares, [0.0, 1.0])
+    ray = point.position - place
+    total = np.zeros(1)
+    unshadowed(emitters, *place, 0.0, 0.0, 1.0, total)
+    assert total[0] == pytest.approx(100.0 * ray[2] / np.linalg.norm(ray) ** 3, rel=EXACT)
+
+
+def test_a_place_at_a_point_luminaire_gets_finite_light():
+    """There the inverse square has no value and the lamp no direction; the other sources count as ever."""
+    emitters = made()
+    place = POINTS[0].position
+    cdf, total = np.empty(6), np.zeros(1)
+    for on_surface in (True, False):
+        assert choice_cdf(emitters, *place, 0.0, 0.0, 1.0, on_surface, cdf)
+        assert cdf[-1] == 1.0
+        assert cdf[4] == cdf[3]
+    unshadowed(emitters, *place, 0.0, 0.0, 1.0, total)
+    others = contributions(emitters, place, (0.0, 0.0, 1.0))
+    assert others[4] == 0.0
+    assert total[0] == pytest.approx(others.sum(), rel=EXACT)
 
 
 def test_degenerate_luminous_triangles_give_nothing_and_spoil_nothing():
@@ -259,8 +290,8 @@ def test_degenerate_luminous_triangles_give_nothing_and_spoil_nothing():
     emitters = collect_emitters(lit(*SHAPES, sliver, materials=materials), channel_matrix(1))
     cdf = np.empty(len(emitters.power))
     for choose in (
-        choice_cdf(emitters, 1.0, 0.5, 0.0, 0, 0, 1.0, True, cdf),
-        rough_cdf(emitters.sketch, 1.0, 0.5, 0.0, 0, 0, 1.0, cdf),
+        choice_cdf(emitters, 1.0, 0.5, 0.0, 0.0, 0.0, 1.0, True, cdf),
+        rough_cdf(emitters.sketch, 1.0, 0.5, 0.0, 0.0, 0.0, 1.0, cdf),
     ):
         assert choose
         assert np.all(np.isfinite(cdf))

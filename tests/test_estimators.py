@@ -1,0 +1,355 @@
+"""The estimate of illuminance is unbiased: against closed form and against path tracing, by t-test.
+
+The furnace is a closed box whose walls all emit M and reflect rho: radiance is M / (pi (1 - rho)) everywhere and
+in every direction, E = M / (1 - rho) on every surface, up to the edges and into the corners. The room has a
+lamp, glossy walls and no closed form; there the same estimator with the bound at zero, which is path tracing
+from the receiver's side and uses neither chains nor base, says what is right.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from rooms import furnace, glossy_room, grey, lamp, lit
+from shapes import box, placed
+from verdicts import agrees, same_mean
+
+from lelight.channels import luminance_weighted
+from lelight.estimate import batch, local
+from lelight.estimate.angular import HarmonicDetail
+from lelight.estimate.base import solve_base
+from lelight.estimate.batch import Effort, estimate_batch
+from lelight.estimate.direct import direct_light, with_clear_share
+from lelight.estimate.effort import bound_for, choose_effort
+from lelight.mesh.nodes import node_mesh
+from lelight.mesh.patches import patches
+from lelight.mesh.remesh import remesh
+from lelight.plan import make_plan
+from lelight.receivers import (
+    CYLINDRICAL,
+    ILLUMINANCE,
+    SCALAR,
+    VECTOR,
+    joined,
+    space_receivers,
+    surface_receivers,
+    with_surface,
+)
+from lelight.scene import Scene
+from lelight.settings import Settings
+from lelight.tracing.world import build_world
+
+RHO = 0.6
+EXACT = 1e-9
+#: Independent batches of a trial.
+BATCHES = 16
+#: Chains for which the default bound is taken; more are walked, so that ten times the bound is still quiet.
+CHAINS_OF_BOUND = 2**13
+#: Standard error at which a trial can tell a reflectance of 0.60 from 0.62, which is 5 % of E.
+TELLING = 0.012
+THREADS = ThreadPoolExecutor(2)
+
+#: On the floor of a unit cube: in its middle, 1 cm from an edge, 1 cm and 1 mm from two.
+CUBE_PLACES = [(0.5, 0.5, 0.0), (0.01, 0.5, 0.0), (0.01, 0.01, 0.0), (0.001, 0.001, 0.0)]
+#: In the room: the floor's middle, 1 cm from a wall, in a corner, on a wall.
+ROOM_PLACES = [(2.0, 1.5, 0.0), (0.01, 1.5, 0.0), (0.02, 0.02, 0.0), (2.0, 0.0, 1.2)]
+UP = (0.0, 0.0, 1.0)
+
+
+def on_surface(places, normals):
+    return with_surface(space_receivers(np.array(places, dtype=float), np.array(normals, dtype=float)))
+
+
+def cube_receivers():
+    inside = space_receivers(np.array([[0.5, 0.3, 0.6]]), np.array([UP]))
+    return joined([on_surface(CUBE_PLACES, [UP] * len(CUBE_PLACES)), inside])
+
+
+def room_receivers():
+    return on_surface(ROOM_PLACES, [UP, UP, UP, (0.0, 1.0, 0.0)])
+
+
+@lru_cache
+def furnace_world(reflectance=RHO):
+    return build_world(furnace(reflectance), 1)
+
+
+@lru_cache
+def room_world(exponent):
+    return build_world(glossy_room(0.4, 0.3, exponent), 1)
+
+
+def base_of(scene: Scene, world, *, edge):
+    """A base field on fronts only, which is all that these closed rooms need."""
+    labels = patches(scene)
+    lit_sides = np.tile([True, False], (labels.max() + 1, 1))
+    mesh = node_mesh(remesh(scene, labels, edge=edge), lit_sides)
+    nodes = surface_receivers(mesh, np.zeros(len(scene.materials), dtype=int))
+    return solve_base(world, mesh, nodes, labels=labels, lit=lit_sides, seed=1, executor=THREADS)
+
+
+@lru_cache
+def furnace_base(reflectance=RHO):
+    return base_of(furnace(reflectance), furnace_world(reflectance), edge=0.5)
+
+
+@lru_cache
+def room_base(exponent):
+    return base_of(glossy_room(0.4, 0.3, exponent), room_world(exponent), edge=0.8)
+
+
+def trial(world, receivers, *, effort, base=None, batches=BATCHES, seed=1):
+    """Moments (batches, r, 6, C) of independent batches."""
+    receivers = with_clear_share(world, receivers, seed=(seed, 3))
+    found = [
+        estimate_batch(
+            world, receivers, effort=effort, seed=(seed, k), base=base, detail=None, executor=THREADS
+        )
+        for k in range(batches)
+    ]
+    return np.array([one.direct + one.indirect for one in found])
+
+
+def bounded(world, factor, *, base=None, log2_chains=None, log2_near=10):
+    """Effort with so many times the default bound; chains on a base are fewer, they carry less."""
+    bound = factor * bound_for(world.area, CHAINS_OF_BOUND, on_base=base is not None)
+    chains = log2_chains or (13 if base is None else 8)
+    return Effort(chains, 6, log2_near, bound)
+
+
+def illuminance(moments):
+    return moments[:, :, ILLUMINANCE, 0]
+
+
+factors = pytest.mark.parametrize("factor", [0.1, 1.0, 10.0])
+
+
+@factors
+def test_furnace_by_chains_from_the_emitters(factor):
+    world = furnace_world()
+    light = illuminance(trial(world, cube_receivers(), effort=bounded(world, factor)))
+    assert agrees(light, 1 / (1 - RHO), relative_error=0.03 if factor > 1 else TELLING)
+
+
+@factors
+def test_furnace_on_a_base_field(factor):
+    world, base = furnace_world(), furnace_base()
+    light = illuminance(trial(world, cube_receivers(), effort=bounded(world, factor, base=base), base=base))
+    assert agrees(light, 1 / (1 - RHO), relative_error=TELLING)
+
+
+def test_furnace_by_path_tracing_alone():
+    light = illuminance(trial(furnace_world(), cube_receivers(), effort=Effort(0, 3, 11, 0.0)))
+    assert agrees(light, 1 / (1 - RHO), relative_error=0.006)
+
+
+@pytest.mark.parametrize("on_base", [False, True])
+def test_a_furnace_of_another_reflectance_is_rejected(on_base):
+    """Walls of 0.62 give E = 1 / 0.38, 5 % more: the same trial must see it at every single receiver."""
+    world = furnace_world(0.62)
+    base = furnace_base(0.62) if on_base else None
+    light = illuminance(trial(world, cube_receivers(), effort=bounded(world, 0.1, base=base), base=base))
+    for receiver in range(light.shape[1]):
+        assert not agrees(light[:, [receiver]], 1 / (1 - RHO), relative_error=TELLING)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_any_base_gives_the_same_light(share):
+    """The chains make up for a base that holds half of the light or none: only the noise grows."""
+    world, base = furnace_world(), furnace_base()
+    poor = replace(base, illuminance=share * base.illuminance)
+    effort = bounded(world, 0.5, base=poor, log2_chains=10)
+    light = illuminance(trial(world, cube_receivers(), effort=effort, base=poor))
+    assert agrees(light, 1 / (1 - RHO), relative_error=0.02)
+
+
+@pytest.mark.parametrize("on_base", [False, True])
+def test_moments_in_the_furnace(on_base):
+    """Radiance L = E / pi from everywhere. In space: scalar 4 pi L / 4 = E, vector 0, cylindrical L pi = E.
+
+    On the floor, where half the sphere counts: scalar E / 2, vector E along the normal, cylindrical E / 2.
+    """
+    world = furnace_world()
+    base = furnace_base() if on_base else None
+    moments = trial(world, cube_receivers(), effort=bounded(world, 0.1, base=base), base=base)
+    light = 1 / (1 - RHO)
+    middle, space = moments[:, 0, :, 0], moments[:, -1, :, 0]
+    for row, expected in ((SCALAR, light / 2), (VECTOR + 2, light), (CYLINDRICAL, light / 2)):
+        assert agrees(middle[:, [row]], expected, relative_error=0.02), row
+    for row in (ILLUMINANCE, SCALAR, CYLINDRICAL):
+        assert agrees(space[:, [row]], light, relative_error=0.02), row
+    # Zero has no relative error: the vector is judged with the illuminance added to it.
+    for vector in (space[:, VECTOR : VECTOR + 3], middle[:, VECTOR : VECTOR + 2]):
+        assert agrees(vector + light, light, relative_error=0.02)
+
+
+@pytest.mark.parametrize(
+    ("scale", "shift"), [(2.0**-10, (0.0, 0.0, 0.0)), (2.0**13, (0.0, 0.0, 0.0)), (1.0, (2.0**19, 2.0**22, 64.0))]
+)
+def test_a_furnace_in_millimetres_in_kilometres_and_at_map_coordinates(scale, shift):
+    """Powers of two scale without rounding: the same random numbers give the same light to the last digits."""
+    plain, moved = furnace(RHO), furnace(RHO)
+    moved = replace(moved, vertices=placed((moved.vertices, moved.triangles), scale=scale, shift=shift)[0])
+    light = []
+    for scene, unit, origin in ((plain, 1.0, np.zeros(3)), (moved, scale, np.array(shift))):
+        world, receivers = build_world(scene, 1), cube_receivers()
+        receivers = replace(receivers, points=receivers.points * unit + origin)
+        effort = replace(bounded(world, 1.0, log2_chains=9, log2_near=6))
+        light.append(illuminance(trial(world, receivers, effort=effort, batches=2)))
+    # At map coordinates the last nine digits of positions are gone, and with them a few decisions of paths.
+    np.testing.assert_allclose(light[1], light[0], rtol=EXACT if shift[0] == 0.0 else 0.02)
+
+
+@lru_cache
+def room_truth(exponent):
+    return illuminance(trial(room_world(exponent), room_receivers(), effort=Effort(0, 3, 11, 0.0), seed=9))
+
+
+glossy = pytest.mark.parametrize(
+    ("exponent", "factor"), [(8.0, 1.0), (64.0, 0.1), (64.0, 1.0), (64.0, 10.0), (1000.0, 1.0)]
+)
+
+
+@glossy
+def test_glossy_room_by_chains_from_the_emitters(exponent, factor):
+    world = room_world(exponent)
+    light = illuminance(trial(world, room_receivers(), effort=bounded(world, factor, log2_near=9)))
+    assert same_mean(light, room_truth(exponent), relative_error=0.03)
+
+
+@glossy
+def test_glossy_room_on_a_base_field(exponent, factor):
+    world, base = room_world(exponent), room_base(exponent)
+    effort = bounded(world, factor, base=base, log2_chains=10, log2_near=8)
+    light = illuminance(trial(world, room_receivers(), effort=effort, base=base))
+    assert same_mean(light, room_truth(exponent), relative_error=0.03)
+
+
+@pytest.mark.parametrize("on_base", [False, True])
+def test_a_room_of_another_gloss_is_rejected(on_base):
+    """ks = 0.35 instead of 0.3 is 10 % more light: told from the right room at once."""
+    scene = glossy_room(0.4, 0.35, 64.0)
+    world = build_world(scene, 1)
+    base = base_of(scene, world, edge=0.8) if on_base else None
+    effort = bounded(world, 0.1, base=base, log2_near=9)
+    light = illuminance(trial(world, room_receivers(), effort=effort, base=base))
+    assert not same_mean(light, room_truth(64.0), relative_error=0.03)
+
+
+def test_colour_is_carried_channel_by_channel():
+    """RGB walls: every channel of the furnace is a furnace of its own."""
+    scene = furnace(RHO)
+    rho = np.array([0.7, 0.4, 0.1])
+    scene = replace(scene, materials=(replace(scene.materials[0], diffuse=rho),))
+    world = build_world(scene, 3)
+    moments = trial(world, cube_receivers()[np.array([0, 4])], effort=bounded(world, 1.0))
+    light = moments[:, :, ILLUMINANCE].reshape(BATCHES, -1)
+    assert agrees(light, np.tile(1 / (1 - rho), 2), relative_error=TELLING)
+
+
+def test_direct_light_in_the_open_is_its_closed_form():
+    """Nothing in the way: the control variate leaves no noise, whatever the samples."""
+    scene = lit(box((4.0, 3.0, 2.5)), materials=[grey("walls", 0.5)], luminaires=(lamp((2.0, 1.5, 2.0), 80.0),))
+    world = build_world(scene, 1)
+    receivers = with_clear_share(world, room_receivers(), seed=(1, 3))
+    assert np.all(receivers.clear_share == 1.0)
+    moments, rays = direct_light(world, receivers, log2_samples=0, seed=(1,))
+    ray = np.array([2.0, 1.5, 2.0]) - np.array(ROOM_PLACES)
+    distance = np.linalg.norm(ray, axis=1)
+    expected = 80.0 * np.einsum("kx,kx->k", ray, receivers.normals) / distance**3
+    np.testing.assert_allclose(moments[:, ILLUMINANCE, 0], expected, rtol=EXACT)
+    np.testing.assert_allclose(moments[:, SCALAR, 0], 20.0 / distance**2, rtol=EXACT)
+    assert rays == 4
+
+
+def test_direct_light_half_behind_a_screen_does_not_depend_on_the_share_taken_in_closed_form():
+    """The control variate's expectation is zero: any share of it gives the same mean."""
+    scene = furnace(0.0)
+    screen = (np.array([[0.3, 0.2, 0.4], [0.9, 0.2, 0.4], [0.9, 0.8, 0.4], [0.3, 0.8, 0.4]]), np.array([[0, 1, 2], [0, 2, 3]]))
+    world = build_world(lit((scene.vertices, scene.triangles), screen, materials=[scene.materials[0], grey("screen", 0.5)]), 1)
+    receivers = on_surface(CUBE_PLACES[:2], [UP] * 2)
+    light = []
+    for share in (0.0, 0.7):
+        shared = replace(receivers, clear_share=np.full(2, share))
+        found = [direct_light(world, shared, log2_samples=8, seed=(int(10 * share), k))[0] for k in range(BATCHES)]
+        light.append(np.array(found)[:, :, ILLUMINANCE, 0])
+    assert same_mean(light[0], light[1], relative_error=0.02)
+    assert np.all(light[0].mean(axis=0) < 0.95)
+
+
+def nodes_of_room(exponent=30.0):
+    scene = glossy_room(0.4, 0.3, exponent)
+    labels = patches(scene)
+    mesh = node_mesh(remesh(scene, labels, edge=0.9), np.tile([True, False], (labels.max() + 1, 1)))
+    return build_world(scene, 1), surface_receivers(mesh, make_plan(scene).degrees)
+
+
+def one_batch(world, receivers, *, base, workers=2, seed=(3, 4)):
+    detail = HarmonicDetail(int(receivers.degrees.max()), 1)
+    # Receivers that differ in effort, as a run's do.
+    doublings = np.arange(len(receivers)) % 3 - 1
+    receivers = replace(receivers, direct_doublings=doublings, near_doublings=-doublings)
+    with ThreadPoolExecutor(workers) as executor:
+        return estimate_batch(
+            world, receivers, effort=Effort(5, 2, 3, 0.05), seed=seed, base=base, detail=detail, executor=executor
+        )
+
+
+@pytest.mark.parametrize("on_base", [False, True])
+@pytest.mark.parametrize(("block", "chunk", "workers"), [(1024, 256, 1), (37, 256, 3), (1024, 7, 2), (1, 1000, 2)])
+def test_blocks_chunks_and_threads_do_not_change_a_bit(monkeypatch, on_base, block, chunk, workers):
+    world, receivers = nodes_of_room()
+    base = room_base(8.0) if on_base else None
+    usual = one_batch(world, receivers, base=base)
+    monkeypatch.setattr(batch, "BLOCK", block)
+    monkeypatch.setattr(local, "VERTEX_CHUNK", chunk)
+    other = one_batch(world, receivers, base=base, workers=workers)
+    for name in ("direct", "indirect", "angular"):
+        assert np.array_equal(getattr(usual, name), getattr(other, name)), name
+    assert (usual.vertices, usual.rays) == (other.vertices, other.rays)
+    assert np.any(usual.angular != 0)
+
+
+def test_another_batch_is_another_estimate():
+    world, receivers = nodes_of_room()
+    one, other = (one_batch(world, receivers, base=None, seed=(3, k)) for k in (4, 5))
+    assert not np.any(one.indirect[:, ILLUMINANCE] == other.indirect[:, ILLUMINANCE])
+
+
+def test_default_bound_is_the_inverse_square_of_four_spacings():
+    """600 chains on 6 m²: 0.1 m apart, b = 1 / 0.4²; on a base a fifth of that."""
+    assert bound_for(6.0, 600.0, on_base=False) == pytest.approx(1 / 0.16, rel=EXACT)
+    assert bound_for(6.0, 600.0, on_base=True) == pytest.approx(0.2 / 0.16, rel=EXACT)
+
+
+def test_effort_grows_as_the_inverse_square_of_the_target():
+    """A quarter of the error takes sixteen times the samples, up to the rounding to powers of two."""
+    world, receivers = nodes_of_room()
+    efforts = [
+        choose_effort(
+            world, receivers, base=None, areas=np.ones(len(receivers)), target=target, seed=1, executor=THREADS
+        )[0]
+        for target in (0.02, 0.005)
+    ]
+    assert efforts[1].log2_chains - efforts[0].log2_chains == pytest.approx(4, abs=1)
+    assert efforts[1].log2_near - efforts[0].log2_near == pytest.approx(4, abs=1)
+    assert efforts[1].bound / efforts[0].bound == 2.0 ** (efforts[1].log2_chains - efforts[0].log2_chains)
+
+
+@pytest.mark.parametrize("estimator", ["base", "emitters"])
+def test_the_whole_run_gives_the_same_field_on_one_thread_and_on_three(estimator):
+    from lelight.calculation import calculate
+
+    fields = [
+        calculate(
+            glossy_room(0.4, 0.3, 30.0), Settings(edge=0.9, batches=2, threads=threads, estimator=estimator)
+        ).field
+        for threads in (1, 3)
+    ]
+    for name, column in vars(fields[0].values).items():
+        assert np.array_equal(column, getattr(fields[1].values, name)), name
+    assert luminance_weighted(fields[0].values.illuminance).min() > 0

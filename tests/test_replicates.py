@@ -1,0 +1,85 @@
+"""Batches to means and errors, on made-up numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lelight.estimate.batch import Batch
+from lelight.estimate.replicates import Replicates, error_reached, visible_areas
+from lelight.receivers import ILLUMINANCE, MOMENTS
+
+EXACT = 1e-9
+
+
+def batch(direct, indirect, *, angular=1.0):
+    """A batch of grey illuminances (r,)."""
+    moments = []
+    for light in (direct, indirect):
+        values = np.zeros((len(light), MOMENTS, 1))
+        values[:, ILLUMINANCE, 0] = light
+        moments.append(values)
+    return Batch(*moments, np.full((1, 4, 1), angular), vertices=3, rays=10, seconds={"chains": 0.5})
+
+
+def test_totals_means_and_errors_are_those_of_all_batches():
+    """Three receivers, two batches; the standard error of two values a, b is |a - b| / 2."""
+    replicates = Replicates(first_in_space=2)
+    replicates.add(batch([1.0, 2.0, 3.0], [4.0, 5.0, 6.0], angular=1.0))
+    assert np.all(np.isinf(replicates.std_error))
+    replicates.add(batch([3.0, 2.0, 1.0], [5.0, 5.0, 4.0], angular=2.0))
+    assert np.array_equal(replicates.direct[:, ILLUMINANCE, 0], [4.0, 4.0, 4.0])
+    assert np.array_equal(replicates.indirect[:, ILLUMINANCE, 0], [9.0, 10.0, 10.0])
+    assert np.all(replicates.angular == 3.0)
+    np.testing.assert_allclose(replicates.mean, [6.5, 7.0, 7.0], rtol=EXACT)
+    np.testing.assert_allclose(replicates.std_error, [1.5, 0.0, 2.0], rtol=EXACT)
+    assert (replicates.count, replicates.vertices, replicates.rays) == (2, 6, 20)
+    assert replicates.seconds == {"chains": 1.0}
+    assert np.array_equal(np.array(replicates.in_space)[:, :, ILLUMINANCE], [[9.0], [5.0]])
+    assert np.array_equal(np.array(replicates.indirect_in_space)[:, :, ILLUMINANCE], [[6.0], [4.0]])
+
+
+@given(st.lists(st.floats(-1, 1), min_size=2, max_size=30), st.sampled_from([0.0, 1e9]))
+def test_the_running_error_is_that_of_the_list_even_far_from_zero(deviations, offset):
+    light = np.array(deviations) + offset
+    replicates = Replicates(first_in_space=1)
+    for value in light:
+        replicates.add(batch([value], [0.0]))
+    expected = light.std(ddof=1) / np.sqrt(len(light))
+    # Rounding of the values themselves is all that may differ.
+    assert replicates.std_error[0] == pytest.approx(expected, rel=1e-7, abs=1e-15 * offset + 1e-12)
+    assert replicates.mean[0] == pytest.approx(light.mean(), rel=1e-12, abs=1e-12)
+
+
+def test_error_reached_is_weighted_by_area_and_measures_dark_nodes_against_the_mean():
+    """Mean (1 x 100 + 3 x 20) / 4 = 40; nodes at 100 +- 5, 20 +- 2: 5 % on 1 m², 10 % on 3 m²."""
+    error = error_reached(np.array([100.0, 20.0]), np.array([5.0, 2.0]), areas=np.array([1.0, 3.0]))
+    assert error.rms == pytest.approx(np.sqrt((0.05**2 + 3 * 0.1**2) / 4), rel=EXACT)
+    assert error.p95 == error.p99 == pytest.approx(0.1, rel=EXACT)
+    # A dark node of 1 lx: its 0.5 lx count against 5 % of the mean, (100 + 1) / 2 x 0.05 = 2.525 lx.
+    dark = error_reached(np.array([100.0, 1.0]), np.array([0.0, 0.5]), areas=np.ones(2))
+    assert dark.p99 == pytest.approx(0.5 / 2.525, rel=EXACT)
+    assert dark.rms == pytest.approx(0.5 / 2.525 / np.sqrt(2), rel=EXACT)
+
+
+def test_percentiles_are_by_area():
+    """Errors of 1 to 100 % on equal areas: 95 % of the area lies at 95 % or below; twice the area counts twice."""
+    illuminance, error = np.full(100, 50.0), np.arange(1, 101) * 0.5
+    reached = error_reached(illuminance, error, areas=np.ones(100))
+    assert reached.p95 == pytest.approx(0.95, abs=0.01)
+    assert reached.p99 == pytest.approx(0.99, abs=0.01)
+    areas = np.ones(100)
+    areas[-1] = 99.0
+    assert error_reached(illuminance, error, areas=areas).p95 == pytest.approx(1.0, rel=EXACT)
+
+
+def test_nothing_lit_has_no_error_to_speak_of_and_no_warning():
+    error = error_reached(np.zeros(3), np.zeros(3), areas=np.ones(3))
+    assert (error.rms, error.p95, error.p99) == (0.0, 0.0, 0.0)
+
+
+def test_hidden_nodes_have_no_area():
+    areas = visible_areas(np.array([1.0, 2.0, 3.0]), np.array([False, True, False]))
+    assert np.array_equal(areas, [1.0, 0.0, 3.0])
