@@ -22,7 +22,7 @@ def end_in_time() -> None:
 
 
 def end() -> NoReturn:
-    """Say in one line that the run was interrupted and leave, without waiting for threads that still compute."""
+    """Say in one line that the run was interrupted and leave, not waiting for threads that compute."""
     sys.stderr.write("lelight: interrupted\n")
     sys.stderr.flush()
     os._exit(INTERRUPTED)

@@ -27,7 +27,7 @@ class NamedPath(click.Path):
         try:
             str(value).encode()
         except UnicodeEncodeError:
-            self.fail(f"the name {ascii(value)} is not UTF-8; rename the file", param, ctx)
+            self.fail(f"the name {value!a} is not UTF-8; rename the file", param, ctx)
         return super().convert(value, param, ctx)
 
 
@@ -75,8 +75,12 @@ _RUN_OPTIONS = [
     click.option("--preset", type=click.Choice(["draft", "normal", "fine"]), help="Default: normal."),
     click.option("--method", type=click.Choice(["sh", "grid"]), help="Angular detail of glossy nodes."),
     click.option("--edge", type=edge_length, metavar="LENGTH", help="Edge of the node mesh, m."),
-    click.option("--directions", type=click.IntRange(16, MOST_DIRECTIONS), help="Directions of --method grid."),
-    click.option("--seed", type=click.IntRange(0, LARGEST_SEED), help="Seed of every random number. Default: 0."),
+    click.option(
+        "--directions", type=click.IntRange(16, MOST_DIRECTIONS), help="Directions of --method grid."
+    ),
+    click.option(
+        "--seed", type=click.IntRange(0, LARGEST_SEED), help="Seed of every random number. Default: 0."
+    ),
     click.option("--threads", type=click.IntRange(min=1), help="Default: all that may be used."),
 ]
 

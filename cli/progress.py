@@ -37,7 +37,7 @@ def _live() -> Iterator[Watch]:
 
 
 def _log() -> Callable[[Standing], None]:
-    """For files and pipes: a line at the first batch, when the scene has proved sound, and then now and again."""
+    """Lines for a file or a pipe: one at the first batch, when the scene has proved sound, then seldom."""
     due = 0.0
 
     def log(standing: Standing) -> None:

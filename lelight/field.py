@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from lelight.harmonics.indices import degree_of
 from lelight.harmonics.projection import synthesise_at
 from lelight.highlights import highlights, only_specular
 from lelight.mesh.locate import Locator
+from lelight.mesh.nearest import TriangleGrid
 from lelight.mesh.nodes import NodeMesh
 from lelight.mesh.patches import patches
 from lelight.plan import stored_degree
@@ -36,6 +37,8 @@ CHUNK = 1 << 15
 #: Draws for the image of the emitters in a glossy surface, as power of two: for a single direction, and for
 #: all the rays of a pixel together.
 LOG2_HIGHLIGHTS, LOG2_HIGHLIGHTS_OF_PIXEL = 6, 4
+#: A point lies on a surface when it is no further from it than this many ray offsets.
+SURFACE_OFFSETS = 10.0
 #: Mirrors behind mirrors that are followed.
 DEEPEST_MIRROR = 4
 
@@ -117,8 +120,35 @@ class RadianceField:
         """
         directions = _unit(np.asarray(directions, dtype=np.float64))
         points = np.asarray(points, dtype=np.float64)
-        lift = 4.0 * self.world.caster.offset
-        return self.seen(points + lift * directions, -directions)
+        triangle = self._surface_at(points)
+        on, off = np.flatnonzero(triangle >= 0), np.flatnonzero(triangle < 0)
+        radiance = np.zeros((len(points), self.world.channels))
+        chunk = CHUNK >> LOG2_HIGHLIGHTS
+        for first in range(0, len(on), chunk):
+            own = on[first : first + chunk]
+            paths = self._standing(points[own], directions[own], triangle[own])
+            radiance[own] = self.emitted(paths) + self.reflected(paths, own)
+        radiance[off] = self.seen(points[off], -directions[off])
+        return radiance
+
+    def _surface_at(self, points: FloatArray) -> IntArray:
+        """Triangle (k,) on which a point lies, -1 where none is within a few ray offsets."""
+        one_group = np.zeros(len(points), dtype=np.int64)
+        triangle, weights = self._surface_grid.find(points, one_group)
+        nearest = np.einsum("kc,kcx->kx", weights, self.world.caster.corners[triangle])
+        near = np.linalg.norm(points - nearest, axis=1) <= SURFACE_OFFSETS * self.world.caster.offset
+        return np.where(near, triangle, -1)
+
+    def _standing(self, points: FloatArray, outgoing: FloatArray, triangles: IntArray) -> Paths:
+        """Stand on triangles, on the side that directions (k, 3) leave."""
+        normals = self.world.normals[triangles]
+        along = np.einsum("kx,kx->k", outgoing, normals)
+        return replace(
+            Paths.at(points, np.where(along[:, None] < 0, -normals, normals), channels=self.world.channels),
+            outgoing=outgoing,
+            materials=self.world.materials[triangles],
+            triangles=triangles,
+        )
 
     def seen(
         self,
@@ -137,22 +167,22 @@ class RadianceField:
         if executor is None:
             with ThreadPoolExecutor(max_workers=1) as own:
                 return self.seen(origins, directions, log2_highlights=log2_highlights, executor=own)
-        starts = range(0, len(origins), CHUNK)
+        size = CHUNK >> max(0, log2_highlights - LOG2_HIGHLIGHTS_OF_PIXEL)
+        chunks = [slice(first, first + size) for first in range(0, len(origins), size)]
         parts = executor.map(
-            lambda first: self._seen_chunk(origins, directions, first, log2_highlights), starts
+            lambda chunk: self._seen_chunk(origins, directions, chunk, log2_highlights), chunks
         )
         return np.concatenate([np.zeros((0, self.world.channels)), *parts])
 
     def _seen_chunk(
-        self, origins: FloatArray, directions: FloatArray, first: int, log2_highlights: int
+        self, origins: FloatArray, directions: FloatArray, chunk: slice, log2_highlights: int
     ) -> FloatArray:
-        chunk = slice(first, first + CHUNK)
         count = len(origins[chunk])
         ones = np.ones((count, self.world.channels))
         paths, _ = meet(self.world, np.arange(count), origins[chunk], directions[chunk], ones)
         radiance = np.zeros((count, self.world.channels))
         radiance[paths.number] = self.emitted(paths) + self.reflected(
-            paths, paths.number + first, log2_highlights=log2_highlights
+            paths, paths.number + chunk.start, log2_highlights=log2_highlights
         )
         return radiance
 
@@ -241,6 +271,11 @@ class RadianceField:
     @cached_property
     def _locator(self) -> Locator:
         return Locator(self.mesh)
+
+    @cached_property
+    def _surface_grid(self) -> TriangleGrid:
+        corners = self.world.caster.corners
+        return TriangleGrid(corners, np.zeros(len(corners), dtype=np.int64))
 
     @cached_property
     def _glossy_world(self) -> World:

@@ -1,4 +1,4 @@
-"""What every command that computes does first: read the scene, let the user's choices win, refuse the endless."""
+"""What every command that computes does first: read, let the user's choices win, refuse the endless."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ def _refuse_endless_mesh(scene: Scene, edge: float | None) -> None:
     area = float(triangle_areas(scene.corners).sum())
     nodes = area / edge / edge
     if nodes > MOST_NODES:
+        found = f"an edge of {edge:g} m makes about {nodes:.1e} nodes on {area:.3g} m²"
         raise SceneError(
-            f"{scene.path or scene.name}: an edge of {edge:g} m makes about {nodes:.1e} nodes on {area:.3g} m²; "
-            f"allowed are {MOST_NODES:.0e}; give a longer --edge, or check the scene's unit"
+            f"{scene.path or scene.name}: {found}; allowed are {MOST_NODES:.0e}; "
+            "give a longer --edge, or check the scene's unit"
         )

@@ -73,7 +73,9 @@ def run_calc(
     now = perf_counter()
     seconds = {"read": read - started, "write": now - written, "total": now - started}
     scene_file = Path(os.path.relpath(scene_path, out)).as_posix()
-    record = run_record(run, scene_file=scene_file, seconds=seconds, warnings=[*warnings, *_missed_target(run)])
+    record = run_record(
+        run, scene_file=scene_file, seconds=seconds, warnings=[*warnings, *_missed_target(run)]
+    )
     write_json(out / "run.json", record)
     for warning in warnings:
         warn(warning)

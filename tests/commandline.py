@@ -1,4 +1,4 @@
-"""The command line as tests run it: inside this process, or as a process of its own; and a room to run it on."""
+"""The command line as tests run it, inside this process or as one of its own, and a room to run it on."""
 
 from __future__ import annotations
 

@@ -28,6 +28,7 @@ from lelight.tracing.chains import (
     arrive,
     emit,
     joined,
+    no_vertices,
     walk_on,
 )
 from lelight.tracing.sampling import cosine_directions, sobol
@@ -63,10 +64,17 @@ def defect_chains(world: World, base: BaseField, *, log2_chains: int, seed: tupl
     -------
     ChainVertices : flux is signed; an unbiased estimate of the missing light, as `emission_chains` is of all
     """
-    parts = [_lambertian(world, base, log2_chains=log2_chains, seed=(*seed, STARTS))]
+    parts = [no_vertices(world.channels)]
+    if _diffuse(world):
+        parts.append(_lambertian(world, base, log2_chains=log2_chains, seed=(*seed, STARTS)))
     if np.any(world.reflectances.specular_share > 0):
         parts.append(_glossy(world, base, log2_chains=log2_chains, seed=(*seed, GLOSS)))
     return joined(parts)
+
+
+def _diffuse(world: World) -> bool:
+    """Say whether any surface has a Lambertian lobe."""
+    return bool(np.any(world.reflectances.diffuse_share[world.materials] > 0))
 
 
 def _points(log2_chains: int, seed: tuple[int, ...]) -> FloatArray:
@@ -128,7 +136,7 @@ def _faces(world: World, base: BaseField) -> _Faces:
     return _Faces(
         triangle=chosen % count,
         side=np.where(chosen < count, 1, -1),
-        probability=weight[chosen] / weight.sum() if len(chosen) else weight,
+        probability=weight[chosen] / weight.sum(),
     )
 
 
@@ -143,13 +151,12 @@ def _glossy(world: World, base: BaseField, *, log2_chains: int, seed: tuple[int,
     from_emitters = _points(log2_chains, (*seed, 1))
     origins, directions, flux = emit(world.emitters, from_emitters, world.caster.offset)
     from_base = _points(log2_chains, (*seed, 2))
-    base_origins, base_directions, base_flux = _emit_base(world, base, from_base)
-    first, alive = arrive(
-        world,
-        np.concatenate([origins, base_origins]),
-        np.concatenate([directions, base_directions]),
-        np.concatenate([flux, base_flux]) / len(from_base),
-    )
+    if _diffuse(world):
+        base_origins, base_directions, base_flux = _emit_base(world, base, from_base)
+        origins = np.concatenate([origins, base_origins])
+        directions = np.concatenate([directions, base_directions])
+        flux = np.concatenate([flux, base_flux])
+    first, alive = arrive(world, origins, directions, flux / len(from_base))
     glossy = np.flatnonzero(world.reflectances.specular_share[first.materials] > 0)
     first = first[glossy].with_lobes(SPECULAR_LOBE)
     return walk_on(

@@ -148,7 +148,6 @@ def _draw_rays(
     for r in range(len(points)):
         x, y, z = points[r]
         nx, ny, nz = normals[r]
-        lift = offset if on_surface[r] else 0.0
         if not choice_cdf(emitters, x, y, z, nx, ny, nz, on_surface[r], scratch):
             continue
         if clear_share[r] > 0.0:
@@ -158,7 +157,7 @@ def _draw_rays(
         for s in range(len(numbers)):
             source, share = chosen(scratch, rotated(numbers[s, 0], shifts[0]))
             u, v = rotated(numbers[s, 1], shifts[1]), rotated(numbers[s, 2], shifts[2])
-            d, distance, factor, _ = toward(emitters, source, x, y, z, u, v)
+            d, end, factor, _ = toward(emitters, source, x, y, z, u, v, offset)
             cos_theta = d[0] * nx + d[1] * ny + d[2] * nz
             if factor <= 0.0 or (on_surface[r] and cos_theta <= 0.0):
                 continue
@@ -166,11 +165,10 @@ def _draw_rays(
             directions[count, 0], directions[count, 1], directions[count, 2] = d
             for c in range(light.shape[1]):
                 light[count, c] = source_strength(emitters, source, c) * factor / share
-            reach = distance - 2.0 * offset
             for axis in range(3):
                 n = nx if axis == 0 else (ny if axis == 1 else nz)
                 o = x if axis == 0 else (y if axis == 1 else z)
-                origins[count, axis] = o + lift * n
-                ends[count, axis] = o + lift * n + reach * d[axis]
+                origins[count, axis] = o + offset * n
+                ends[count, axis] = end[axis]
             count += 1
     return count

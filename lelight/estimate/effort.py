@@ -105,7 +105,8 @@ def choose_effort(
         direct_doublings=receivers.direct_doublings + direct,
         near_doublings=receivers.near_doublings + near,
     )
-    return Effort(*log2, bound=bound), shared_out
+    effort = Effort(log2_chains=log2[0], log2_direct=log2[1], log2_near=log2[2], bound=bound)
+    return effort, shared_out
 
 
 def _best_bound(

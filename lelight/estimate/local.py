@@ -179,7 +179,6 @@ def _list_pairs(
             cos_vertex = dx * nx + dy * ny + dz * nz
             if cos_vertex <= 0.0:
                 continue
-            lift = 0.0
             cos_receiver = 1.0
             square = dx * dx + dy * dy + dz * dz
             distance = math.sqrt(square)
@@ -189,7 +188,6 @@ def _list_pairs(
                 )
                 if cos_receiver <= 0.0:
                     continue
-                lift = offset
             cos_vertex /= distance
             kernel = cos_vertex * cos_receiver / square
             specular = 0.0
@@ -204,9 +202,9 @@ def _list_pairs(
             out_diffuse[count] = diffuse / (math.pi * cos_receiver)
             out_specular[count] = specular / (math.pi * cos_receiver)
             out_origins[count, 0], out_origins[count, 1], out_origins[count, 2] = ox, oy, oz
-            out_segments[count, 0] = (at[r, 0] + lift * at_normals[r, 0] - centre[0]) * scale - ox
-            out_segments[count, 1] = (at[r, 1] + lift * at_normals[r, 1] - centre[1]) * scale - oy
-            out_segments[count, 2] = (at[r, 2] + lift * at_normals[r, 2] - centre[2]) * scale - oz
+            out_segments[count, 0] = (at[r, 0] + offset * at_normals[r, 0] - centre[0]) * scale - ox
+            out_segments[count, 1] = (at[r, 1] + offset * at_normals[r, 1] - centre[1]) * scale - oy
+            out_segments[count, 2] = (at[r, 2] + offset * at_normals[r, 2] - centre[2]) * scale - oz
             count += 1
     return count
 

@@ -152,8 +152,8 @@ def _draw_directions(
 
 def _first_surfaces(world: World, receivers: Receivers, receiver: IntArray, directions: FloatArray) -> Paths:
     """Surfaces that the first rays meet, with the kernel G to them."""
-    lift = np.where(receivers.on_surface, world.caster.offset, 0.0)[:, None] * receivers.normals
-    origins = (receivers.points + lift)[receiver]
+    # In space too: a measuring plane may lie exactly on a surface.
+    origins = world.caster.leave(receivers.points, receivers.normals)[receiver]
     number = np.arange(len(receiver))
     paths, kept = meet(world, number, origins, directions, np.ones((len(receiver), world.channels)))
     return replace(paths, geometry=_geometry(receivers, receiver[kept], directions[kept], paths))

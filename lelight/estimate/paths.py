@@ -275,17 +275,16 @@ def _draw_shadow_rays(
     for k in range(len(points)):
         x, y, z = points[k]
         nx, ny, nz = normals[k]
-        if not rough_cdf(emitters.sketch, x, y, z, nx, ny, nz, cdf):
+        if not rough_cdf(emitters, x, y, z, nx, ny, nz, cdf):
             continue
         source, _ = chosen(cdf, numbers[k, 0])
-        d, distance, factor, _ = toward(emitters, source, x, y, z, numbers[k, 1], numbers[k, 2])
+        d, end, factor, _ = toward(emitters, source, x, y, z, numbers[k, 1], numbers[k, 2], offset)
         if factor <= 0.0 or d[0] * nx + d[1] * ny + d[2] * nz <= 0.0:
             continue
         found[k] = True
-        reach = distance - 2.0 * offset
         for axis in range(3):
             origins[k, axis] = points[k, axis] + offset * normals[k, axis]
-            ends[k, axis] = origins[k, axis] + reach * d[axis]
+            ends[k, axis] = end[axis]
 
 
 @njit(**_COMPILED)
@@ -314,10 +313,10 @@ def _draw_sources(
             continue
         x, y, z = points[k]
         nx, ny, nz = normals[k]
-        if not rough_cdf(emitters.sketch, x, y, z, nx, ny, nz, cdf):
+        if not rough_cdf(emitters, x, y, z, nx, ny, nz, cdf):
             continue
         source, share = chosen(cdf, numbers[k, 0])
-        d, distance, factor, density = toward(emitters, source, x, y, z, numbers[k, 1], numbers[k, 2])
+        d, end, factor, density = toward(emitters, source, x, y, z, numbers[k, 1], numbers[k, 2], offset)
         cos_theta = d[0] * nx + d[1] * ny + d[2] * nz
         if factor <= 0.0 or cos_theta <= 0.0:
             continue
@@ -334,10 +333,9 @@ def _draw_sources(
             reflected = reflectances.diffuse[m, c] * share_d / math.pi + reflectances.specular[m, c] * phong
             strength = source_strength(emitters, source, c) * factor / share
             light[k, c] = throughput[k, c] * strength * cos_theta * reflected
-        reach = distance - 2.0 * offset
         for axis in range(3):
             origins[k, axis] = points[k, axis] + offset * normals[k, axis]
-            ends[k, axis] = origins[k, axis] + reach * d[axis]
+            ends[k, axis] = end[axis]
 
 
 def _go_on(
@@ -463,7 +461,7 @@ def _weigh_met_emitters(
             continue
         x, y, z = points[k]
         drawn = 0.0
-        if rough_cdf(emitters.sketch, x, y, z, normals[k, 0], normals[k, 1], normals[k, 2], cdf):
+        if rough_cdf(emitters, x, y, z, normals[k, 0], normals[k, 1], normals[k, 2], cdf):
             drawn = drawn_density(emitters, cdf, source, x, y, z, d)
         weight = density[k] / (density[k] + drawn)
         for c in range(radiance.shape[1]):

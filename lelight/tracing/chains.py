@@ -284,6 +284,13 @@ def _reflect(
     return directions, leaving, going
 
 
+def no_vertices(channels: int) -> ChainVertices:
+    """Chains that never started."""
+    places, numbers = np.empty((0, 3)), np.empty(0, dtype=np.int64)
+    flux = np.empty((0, channels))
+    return ChainVertices(places, places, places, flux, numbers, numbers, np.empty(0, dtype=np.bool_), numbers)
+
+
 def joined(parts: list[ChainVertices]) -> ChainVertices:
     """Put vertices one after the other."""
     columns = [vars(part) for part in parts]

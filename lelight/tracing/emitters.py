@@ -136,23 +136,22 @@ def _sketch(emitters: Emitters) -> FloatArray:
 
 @njit(**_COMPILED)
 def _rough_importance(
-    sketch: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float
+    sketch: FloatArray, corners: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float
 ) -> float:
-    """Illuminance in lx that a source (10,) would give if all of it were in its middle, roughly."""
+    """Illuminance in lx that a triangle's sketch (10,) stands for: exact when near, by its middle when not."""
     dx, dy, dz = sketch[0] - x, sketch[1] - y, sketch[2] - z
     rise = dx * nx + dy * ny + dz * nz
     if rise + sketch[6] <= 0.0:
         return 0.0
     square = dx * dx + dy * dy + dz * dz
     distance = math.sqrt(square)
-    if sketch[7] <= 0.0:
-        return float(sketch[8] * rise / (distance * square))
     height = -(dx * sketch[3] + dy * sketch[4] + dz * sketch[5])
     if _in_plane(height, sketch[6], x, y, z) or (height < 0.0 and sketch[9] <= 0.0):
         return 0.0
-    cos_there, cos_here = abs(height) / distance, max(rise / distance, LOW)
     if distance < NEAR * sketch[6]:
-        cos_there = max(cos_there, LOW)
+        # A middle knows nothing of the near parts; by it the weight of a draw would have no bound.
+        return float(sketch[8] / (math.pi * sketch[7]) * triangle_irradiance(corners, x, y, z, nx, ny, nz))
+    cos_there, cos_here = abs(height) / distance, max(rise / distance, LOW)
     return float(sketch[8] * cos_there * cos_here / (square + sketch[7]))
 
 
@@ -175,8 +174,21 @@ def _height(emitters: Emitters, source: int, x: float, y: float, z: float) -> fl
 
 
 @njit(**_COMPILED)
+def _point_importance(
+    sketch: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float
+) -> float:
+    """Illuminance in lx that a point source's sketch (10,) stands for."""
+    dx, dy, dz = sketch[0] - x, sketch[1] - y, sketch[2] - z
+    rise = dx * nx + dy * ny + dz * nz
+    if rise <= 0.0:
+        return 0.0
+    square = dx * dx + dy * dy + dz * dz
+    return float(sketch[8] * rise / (square * math.sqrt(square)))
+
+
+@njit(**_COMPILED)
 def rough_cdf(
-    sketch: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float, scratch: FloatArray
+    emitters: Emitters, x: float, y: float, z: float, nx: float, ny: float, nz: float, scratch: FloatArray
 ) -> bool:
     """Cumulative probabilities of the sources at a surface point, for paths, which draw once: cheap.
 
@@ -184,10 +196,16 @@ def rough_cdf(
     -------
     bool : False where no source can light this place
     """
+    sketch, corners = emitters.sketch, emitters.corners
+    if len(sketch) > LOCAL_CHOICE_LIMIT:
+        scratch[:] = emitters.power_cdf
+        return True
     total = 0.0
-    local = len(sketch) <= LOCAL_CHOICE_LIMIT
     for s in range(len(sketch)):
-        total += _rough_importance(sketch[s], x, y, z, nx, ny, nz) if local else sketch[s, 8]
+        if s < len(corners):
+            total += _rough_importance(sketch[s], corners[s], x, y, z, nx, ny, nz)
+        else:
+            total += _point_importance(sketch[s], x, y, z, nx, ny, nz)
         scratch[s] = total
     if not total > 0.0:
         return False
@@ -218,7 +236,7 @@ def _triangle_importance(
     my = (corners[0, 1] + corners[1, 1] + corners[2, 1]) / 3.0 - y
     mz = (corners[0, 2] + corners[1, 2] + corners[2, 2]) / 3.0 - z
     square = mx * mx + my * my + mz * mz
-    if square < FAR * area:
+    if square < FAR * emitters.sketch[source, 6] ** 2:
         if on_surface:
             return float(brightness * triangle_irradiance(corners, x, y, z, nx, ny, nz))
         return float(brightness * triangle_solid_angle(corners, x, y, z))
@@ -302,14 +320,18 @@ def chosen(cdf: FloatArray, u: float) -> tuple[int, float]:
 
 @njit(**_COMPILED)
 def toward(
-    emitters: Emitters, source: int, x: float, y: float, z: float, u: float, v: float
-) -> tuple[Vector, float, float, float]:
+    emitters: Emitters, source: int, x: float, y: float, z: float, u: float, v: float, offset: float
+) -> tuple[Vector, Vector, float, float]:
     """Draw a direction to a source.
+
+    Parameters
+    ----------
+    offset : float, m; how far off the source a shadow ray is to end
 
     Returns
     -------
     direction : unit 3-tuple, from (x, y, z) to the source
-    distance : float, m
+    end : 3-tuple, m; just before the source, where a shadow ray ends
     factor : float; times the source's luminance (triangle) or intensity (point) it is the radiance over the
         density of the draw: 1/density for a triangle, 1/distance² for a point, 0 where it does not shine here
     density : float, 1/sr; 0 for a point
@@ -324,14 +346,25 @@ def toward(
         )
         distance = math.sqrt(dx * dx + dy * dy + dz * dz)
         if distance == 0.0:
-            return (1.0, 0.0, 0.0), 0.0, 0.0, 0.0
-        return (dx / distance, dy / distance, dz / distance), distance, 1.0 / (distance * distance), 0.0
+            return (1.0, 0.0, 0.0), (x, y, z), 0.0, 0.0
+        d = (dx / distance, dy / distance, dz / distance)
+        return d, _at(x, y, z, d, distance - 2.0 * offset), 1.0 / (distance * distance), 0.0
     direction, distance, density = sample_triangle(
         emitters.corners[source], emitters.normals[source], emitters.areas[source], x, y, z, u, v
     )
+    normal = emitters.normals[source]
+    away = direction[0] * normal[0] + direction[1] * normal[1] + direction[2] * normal[2]
+    lift = -math.copysign(offset, away)
+    end = _at(x, y, z, direction, distance)
+    end = (end[0] + lift * normal[0], end[1] + lift * normal[1], end[2] + lift * normal[2])
     if density <= 0.0 or not shines(emitters, source, direction):
-        return direction, distance, 0.0, density
-    return direction, distance, 1.0 / density, density
+        return direction, end, 0.0, density
+    return direction, end, 1.0 / density, density
+
+
+@njit(**_COMPILED)
+def _at(x: float, y: float, z: float, direction: Vector, distance: float) -> Vector:
+    return x + distance * direction[0], y + distance * direction[1], z + distance * direction[2]
 
 
 @njit(**_COMPILED)
