@@ -24,6 +24,10 @@ from lelight.results import ObserverValues, PlaneValues
 from lelight.scene import Scene
 from lelight.settings import Settings
 
+#: Rays a second that a clock is taken to stand for, whatever the machine: the size of batches, and with it the
+#: result, depends on the time asked for only.
+NOMINAL_RAY_RATE = 1e6
+
 #: What follows a run: called after every batch.
 Progress = Callable[["Standing"], None]
 
@@ -141,14 +145,16 @@ def _effort(settings: Settings, stage: Stage, executor: Executor) -> tuple[Effor
     """Try small batches to find what a full one should do, and how receivers share its samples."""
     areas = np.zeros(len(stage.receivers))
     areas[: len(stage.mesh)] = visible_areas(stage.mesh.areas, stage.mesh.hidden)
-    # Against a clock smaller batches stop closer to it.
+    # Against a clock smaller batches stop closer to it; no more than a dozen shall fill it.
     aim = settings.target_error * (2.0 if settings.time is not None else 1.0)
+    most_rays = NOMINAL_RAY_RATE * settings.time / 12 if settings.time is not None else np.inf
     return choose_effort(
         stage.world,
         stage.receivers,
         base=stage.base,
         areas=areas,
         target=aim,
+        most_rays=most_rays,
         seed=settings.seed,
         executor=executor,
     )

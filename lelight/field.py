@@ -36,7 +36,7 @@ from lelight.writing.fieldfile import read_field, write_field
 CHUNK = 1 << 15
 #: Draws for the image of the emitters in a glossy surface, as power of two: for a single direction, and for
 #: all the rays of a pixel together.
-LOG2_HIGHLIGHTS, LOG2_HIGHLIGHTS_OF_PIXEL = 6, 4
+LOG2_HIGHLIGHTS, LOG2_HIGHLIGHTS_OF_PIXEL = 6, 3
 #: A point lies on a surface when it is no further from it than this many ray offsets.
 SURFACE_OFFSETS = 10.0
 #: Mirrors behind mirrors that are followed.

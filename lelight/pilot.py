@@ -7,13 +7,16 @@ piece of furniture no walk ever does; at the dark end of a corridor one soon wil
 from __future__ import annotations
 
 from concurrent.futures import Executor
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from lelight.estimate.direct import direct_light
 from lelight.estimate.nearfield import hemisphere_rays
-from lelight.estimate.paths import Paths, chosen_paths, hashed_numbers, meet, shadow_rays
+from lelight.estimate.paths import Paths, chosen_paths, hashed_numbers, meet
 from lelight.mesh.nodes import NodeMesh
-from lelight.receivers import Receivers, space_receivers, surface_receivers, with_surface
+from lelight.receivers import ILLUMINANCE, Receivers, space_receivers, surface_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 from lelight.tracing.chains import emission_chains, hash_of
 from lelight.tracing.sampling import cosine_directions
@@ -22,10 +25,11 @@ from lelight.tracing.world import World
 #: Chains of the pilot walk, as power of two.
 LOG2_PILOT_CHAINS = 13
 #: Places on each side that the pilot walk did not visit, from which walks are sent out.
-PLACES_PER_SIDE = 8
+PLACES_PER_SIDE = 4
 #: Walks from a place or node, as power of two, and their longest.
-LOG2_WALKS = 3
-LONGEST_WALK = 48
+FEW_WALKS = (2, 32)
+#: Likewise, from nodes for which those found no light: the far end of a corridor is not the inside of a cupboard.
+MANY_WALKS = (4, 96)
 #: Receivers asked at once.
 CHUNK = 2048
 
@@ -43,7 +47,7 @@ def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int, execut
     patches, sides = np.nonzero(~lit)
     if len(patches):
         places, owner = _places(scene, labels, patches, sides, seed)
-        found = owner[_reached(world, places, (seed, 1), executor)]
+        found = owner[_reached(world, places, FEW_WALKS, (seed, 1), executor)]
         lit[patches[found], sides[found]] = True
     return lit
 
@@ -51,30 +55,44 @@ def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int, execut
 def buried(world: World, mesh: NodeMesh, *, seed: int, executor: Executor) -> BoolArray:
     """Nodes (n,) that no light can reach: they lie where solids touch, or inside them."""
     receivers = surface_receivers(mesh, np.zeros(int(mesh.materials.max(initial=0)) + 1, dtype=np.int64))
-    return ~_reached(world, receivers, (seed, 2), executor)
+    dark = ~_reached(world, receivers, FEW_WALKS, (seed, 2), executor)
+    dark[dark] = ~_reached(world, receivers[dark], MANY_WALKS, (seed, 3), executor)
+    return dark
 
 
-def _reached(world: World, receivers: Receivers, seed: tuple[int, ...], executor: Executor) -> BoolArray:
+def _reached(
+    world: World, receivers: Receivers, walks: tuple[int, int], seed: tuple[int, ...], executor: Executor
+) -> BoolArray:
     """`reached_by_light` by as many threads as there are."""
     chunks = [slice(first, first + CHUNK) for first in range(0, len(receivers), CHUNK)]
-    parts = executor.map(lambda chunk: reached_by_light(world, receivers[chunk], seed=seed), chunks)
-    return np.concatenate(list(parts))
+    ask = partial(reached_by_light, world, walks=walks, seed=seed)
+    parts = executor.map(ask, [receivers[chunk] for chunk in chunks])
+    return np.concatenate([np.zeros(0, dtype=np.bool_), *parts])
 
 
-def reached_by_light(world: World, receivers: Receivers, *, seed: tuple[int, ...]) -> BoolArray:
-    """Say which surface receivers (r,) light can reach, by unabsorbed walks from them."""
+def reached_by_light(
+    world: World, receivers: Receivers, *, walks: tuple[int, int], seed: tuple[int, ...]
+) -> BoolArray:
+    """Say which surface receivers (r,) light can reach, by unabsorbed walks from them.
+
+    Parameters
+    ----------
+    walks : how many from each, as power of two, and how many surfaces one visits at most
+    """
+    log2_walks, longest = walks
     reached = np.zeros(len(receivers), dtype=np.bool_)
-    origins, directions, owner = hemisphere_rays(world, receivers, log2_samples=LOG2_WALKS, seed=seed)
-    start = Paths.at(receivers.points, receivers.normals, channels=world.channels)
-    reached |= _sees_emitter(world, start, seed, receivers.identity)
-    identity = receivers.identity[owner] * 2**LOG2_WALKS + np.arange(len(owner)) % 2**LOG2_WALKS
+    origins, directions, owner = hemisphere_rays(world, receivers, log2_samples=log2_walks, seed=seed)
+    reached |= _sees_emitter(world, receivers, seed)
+    identity = receivers.identity[owner] * 2**log2_walks + np.arange(len(owner)) % 2**log2_walks
     walkers, _ = meet(world, np.arange(len(owner)), origins, directions, np.ones((len(owner), 1)))
-    for depth in range(LONGEST_WALK):
+    for depth in range(longest):
         walkers = chosen_paths(walkers, np.flatnonzero(~reached[owner[walkers.number]]))
         if not len(walkers.number):
             break
         own = identity[walkers.number]
-        bright = _shines_back(world, walkers) | _sees_emitter(world, walkers, (*seed, depth), own)
+        places = with_surface(space_receivers(walkers.points, walkers.normals))
+        places = replace(places, identity=own)
+        bright = _shines_back(world, walkers) | _sees_emitter(world, places, (*seed, depth))
         reached[owner[walkers.number[bright]]] = True
         walkers = _onward(world, walkers, hashed_numbers(hash_of((*seed, 1)), own, depth))
     return reached
@@ -86,13 +104,10 @@ def _onward(world: World, walkers: Paths, numbers: FloatArray) -> Paths:
     return meet(world, walkers.number, origins, directions, walkers.throughput)[0]
 
 
-def _sees_emitter(world: World, places: Paths, seed: tuple[int, ...], identity: IntArray) -> BoolArray:
-    """Say from which places (k,) a drawn point of an emitter is in sight."""
-    numbers = hashed_numbers(hash_of((*seed, 2)), identity, 0)
-    lit, origins, ends = shadow_rays(world, places, numbers)
-    seen = np.zeros(len(places.number), dtype=np.bool_)
-    seen[lit] = world.caster.visible(origins[lit], ends[lit])
-    return seen
+def _sees_emitter(world: World, receivers: Receivers, seed: tuple[int, ...]) -> BoolArray:
+    """Say from which surface receivers (r,) a drawn point of an emitter is in sight."""
+    moments, _ = direct_light(world, receivers, log2_samples=0, seed=seed)
+    return np.asarray(moments[:, ILLUMINANCE].max(axis=1) > 0.0)
 
 
 def _shines_back(world: World, walkers: Paths) -> BoolArray:

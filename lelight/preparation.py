@@ -18,13 +18,16 @@ from lelight.metrics.grid import grid_points
 from lelight.pilot import buried, lit_sides
 from lelight.plan import Decision, Plan, make_plan
 from lelight.receivers import Receivers, joined, space_receivers, surface_receivers
-from lelight.scene import FloatArray, IntArray, Scene
+from lelight.scene import FloatArray, IntArray, Scene, triangle_areas
 from lelight.settings import Settings
 from lelight.tracing.world import World, build_world
 
 #: Grid points and eyes are few, and figures are taken from each: they sample so many doublings more than
 #: nodes.
 PLANE_DOUBLINGS, EYE_DOUBLINGS = 2, 6
+
+#: Share of the light that all surfaces together must absorb, by area.
+LEAST_ABSORPTION = 1e-3
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,7 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
     surface = remesh(scene, labels, edge=edge)
     clock.lap("remesh")
     world = build_world(scene, plan.channels)
+    require_absorption(scene, world)
     lit = lit_sides(scene, world, labels=labels, seed=settings.seed, executor=executor)
     mesh = node_mesh(surface, lit)
     if not len(mesh):
@@ -77,6 +81,18 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
         base = solve_base(world, mesh, nodes, labels=labels, lit=lit, seed=settings.seed, executor=executor)
     clock.lap("base")
     return Stage(world, labels, mesh, receivers, grids, edge, plan, base)
+
+
+def require_absorption(scene: Scene, world: World) -> None:
+    """Refuse a scene whose surfaces absorb next to nothing: chains in it hardly ever end."""
+    albedo = world.reflectances.diffuse_share + world.reflectances.specular_share
+    areas = triangle_areas(scene.corners)
+    absorbed = 1.0 - float(np.average(albedo[scene.triangle_materials], weights=areas))
+    if absorbed < LEAST_ABSORPTION:
+        raise SceneError(
+            f"{scene.name}: surfaces absorb {absorbed:.2g} of the light, at least {LEAST_ABSORPTION:g} is needed "
+            "for an end; lower the reflectances"
+        )
 
 
 def _receivers(

@@ -16,6 +16,7 @@ from lelight.pipelines.figures import figures
 from lelight.pipelines.folder import (
     file_stems,
     prepare_folder,
+    withdraw_record,
     write_geometry,
     write_json,
     write_sights,
@@ -65,6 +66,7 @@ def run_calc(
     run = calculate(scene, settings, progress=progress)
     announce("writing")
     written = perf_counter()
+    withdraw_record(out)
     stems = file_stems(run)
     warnings = [*scene.warnings, *_missing_parts(), *write_geometry(out, run, stems)]
     sights = _sights(run)

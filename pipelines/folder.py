@@ -11,6 +11,7 @@ import numpy as np
 
 import lelight
 from lelight.calculation import Calculation
+from lelight.errors import OutputError
 from lelight.metrics.table import to_csv
 from lelight.pipelines.eyes import Sight
 from lelight.writing.falsecolour import decade_limits, write_falsecolour
@@ -28,6 +29,21 @@ def prepare_folder(out: Path) -> None:
     with whole(out / ".probe") as probe:
         probe.write_bytes(b"")
     (out / ".probe").unlink()
+
+
+def withdraw_record(out: Path) -> None:
+    """Take away what says that an earlier run is whole, before its files are replaced one by one.
+
+    Raises
+    ------
+    OutputError
+        where it cannot be taken away
+    """
+    for name in ("run.json", "metrics.json"):
+        try:
+            (out / name).unlink(missing_ok=True)
+        except OSError as error:
+            raise OutputError(f"{out / name}: cannot be replaced: {error.strerror}; move it away") from error
 
 
 def file_stems(run: Calculation) -> dict[str, dict[str, str]]:

@@ -13,7 +13,7 @@ from pathlib import Path
 from lelight.cli.main import main
 
 #: A name that is an attack on paths, shells, XML and quoting at once.
-NASTY = 'a/b: "ü" <x>'
+NASTY = 'a/b: "üλ" <x>'
 
 #: A 2 m cube: glossy floor, grey walls and ceiling, a panel that shines down, a point lamp.
 ROOM_OBJ = """mtllib room.mtl
@@ -56,7 +56,7 @@ position = [0.5, 0.5, 1.5]
 intensity = 100
 
 [[observers]]
-name = 'a/b: "ü" <x>'
+name = 'a/b: "üλ" <x>'
 position = [0.3, 1.0, 1.2]
 direction = [1, 0, 0]
 

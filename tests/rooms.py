@@ -31,7 +31,9 @@ def furnace(reflectance: float, size: tuple[float, float, float] = (1.0, 1.0, 1.
     return lit(box(size), materials=[grey("walls", reflectance, luminance=UNIT_EXITANCE)])
 
 
-def panel(corner: tuple[float, float, float], u: tuple[float, float, float], v: tuple[float, float, float]) -> Shape:
+def panel(
+    corner: tuple[float, float, float], u: tuple[float, float, float], v: tuple[float, float, float]
+) -> Shape:
     """A parallelogram whose front is the side from which u x v points."""
     first, u_, v_ = np.array(corner, dtype=float), np.array(u, dtype=float), np.array(v, dtype=float)
     return np.array([first, first + u_, first + u_ + v_, first + v_]), np.array([[0, 1, 2], [0, 2, 3]])
@@ -44,7 +46,9 @@ def glossy_room(diffuse: float, specular: float, exponent: float) -> Scene:
     return lit(box((4.0, 3.0, 2.5)), ceiling_lamp, materials=[walls, grey("lamp", 0.5, luminance=100.0)])
 
 
-def lamp(position: tuple[float, float, float], intensity: float = 100.0, name: str = "lamp") -> PointLuminaire:
+def lamp(
+    position: tuple[float, float, float], intensity: float = 100.0, name: str = "lamp"
+) -> PointLuminaire:
     """A point luminaire of the same intensity in all channels."""
     return PointLuminaire(name, np.array(position, dtype=float), np.full(3, intensity))
 

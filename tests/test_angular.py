@@ -160,10 +160,17 @@ def test_without_arrivals_only_the_lambertian_constant_is_left(method):
 
 def test_a_material_that_is_not_stored_keeps_its_constant_only():
     """A lobe too sharp to store beside a blunt one: its nodes have degree 0 and no gloss."""
-    materials = [grey("blunt", 0.3, specular=0.2, exponent=20.0), grey("sharp", 0.3, specular=0.5, exponent=1e4)]
+    materials = [
+        grey("blunt", 0.3, specular=0.2, exponent=20.0),
+        grey("sharp", 0.3, specular=0.5, exponent=1e4),
+    ]
     reflectances = collect_reflectances(lit(box(), box(), materials=materials), channel_matrix(1))
     _, receivers = made(20.0)
-    receivers = replace(receivers, materials=np.array([0, 1, 0]), degrees=np.array([stored_degree(m) for m in (materials[0], materials[1], materials[0])]))
+    receivers = replace(
+        receivers,
+        materials=np.array([0, 1, 0]),
+        degrees=np.array([stored_degree(m) for m in (materials[0], materials[1], materials[0])]),
+    )
     kept = np.ones((3, (receivers.degrees.max() + 1) ** 2, 1))
     coefficients = HarmonicDetail(int(receivers.degrees.max()), 1).coefficients(
         kept, receivers=receivers, illuminance=np.ones((3, 1)), reflectances=reflectances

@@ -25,7 +25,7 @@ from lelight.reading.loading import load
 from lelight.settings import Settings
 
 #: The observer's name, fit to be a file's.
-STEM = "a_b_ _ü_ _x_"
+STEM = "a_b_ _üλ_ _x_"
 
 POINT_ARRAYS = {
     "illuminance_lx": 1,

@@ -98,7 +98,9 @@ def floor_room(diffuse, specular, exponent):
         grey("floor", diffuse, specular=specular, exponent=exponent),
         grey("walls", 0.0, luminance=1.0),
     ]
-    return build_world(lit((vertices, triangles[floor]), (vertices, triangles[~floor]), materials=materials), 1)
+    return build_world(
+        lit((vertices, triangles[floor]), (vertices, triangles[~floor]), materials=materials), 1
+    )
 
 
 INCOMING = np.array([0.6, 0.0, 0.8])
@@ -141,7 +143,9 @@ def test_a_vertex_reflects_only_with_the_lobes_that_it_is_given():
     assert np.mean(specular @ [-0.6, 0.0, 0.8] > 0.8) > 0.999
     assert np.mean(diffuse @ [-0.6, 0.0, 0.8] > 0.8) < 0.3
     # Half the draws each, at twice the weight.
-    assert np.mean(np.isclose(both_flux, 0.6, rtol=EXACT)) == pytest.approx(0.5, abs=5 * 0.5 / np.sqrt(CHAINS))
+    assert np.mean(np.isclose(both_flux, 0.6, rtol=EXACT)) == pytest.approx(
+        0.5, abs=5 * 0.5 / np.sqrt(CHAINS)
+    )
 
 
 def test_black_walls_end_every_chain_at_its_first_vertex():
@@ -161,7 +165,9 @@ def test_negative_flux_stays_negative():
 
 def test_chains_depend_on_their_seed_and_on_nothing_else():
     world = build_world(furnace(0.6), 1)
-    one, again, other = (emission_chains(world, log2_chains=6, seed=seed) for seed in ((1, 2), (1, 2), (1, 3)))
+    one, again, other = (
+        emission_chains(world, log2_chains=6, seed=seed) for seed in ((1, 2), (1, 2), (1, 3))
+    )
     for name, column in vars(one).items():
         assert np.array_equal(column, getattr(again, name)), name
     assert not np.array_equal(one.points[:64], other.points[:64])

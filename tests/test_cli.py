@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import signal
 import subprocess
@@ -13,18 +14,22 @@ from pathlib import Path
 
 import click
 import pytest
-from commandline import QUICK, ROOM_MTL, ROOM_OBJ, ROOM_TOML, lelight, process, write_room
+from commandline import NASTY, QUICK, ROOM_MTL, ROOM_OBJ, ROOM_TOML, lelight, process, write_room
 
 from lelight.cli.main import COMMANDS
 
 README = Path(__file__).parents[1] / "README.md"
 
 
-def options_of(name: str) -> set[str]:
-    """Long options of a command, without --help."""
+def options_of(name: str) -> list[set[str]]:
+    """Spellings of every option of a command but --help."""
     command = import_module(f"lelight.cli.{name}").command
     assert isinstance(command, click.Command)
-    return {max(option.opts, key=len) for option in command.params if isinstance(option, click.Option)}
+    return [set(option.opts) for option in command.params if isinstance(option, click.Option)]
+
+
+def spellings_in(text: str) -> set[str]:
+    return set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", text))
 
 
 def usage_lines() -> dict[str, str]:
@@ -42,8 +47,10 @@ def test_help_and_readme_know_the_same_options(name):
     assert (told.status, told.stderr) == (0, "")
     described = usage_lines()
     assert name in described, f"README.md, ## Commands: no line for lelight {name}"
-    assert set(re.findall(r"--[a-z][a-z-]*", described[name])) == options_of(name)
-    assert options_of(name) <= set(re.findall(r"--[a-z][a-z-]*", told.stdout))
+    in_help, in_readme = spellings_in(told.stdout), spellings_in(described[name])
+    options = options_of(name)
+    assert [spellings for spellings in options if not spellings & in_readme] == []
+    assert in_readme <= set().union(*options) <= in_help
 
 
 def test_readme_knows_no_other_commands():
@@ -159,7 +166,7 @@ BAD_SCENES = {
     "unit of nobody": ({"toml": 'unit = "ell"'}, r"room\.toml: unit: found \"ell\"; allowed is 'm', "),
     "one batch": ({"toml": "[calc]\nbatches = 1"}, r"room\.toml: calc\.batches: found 1; allowed is .* 2"),
     "endless edge": ({"toml": "[calc]\nedge = 1e300"}, r"room\.toml: calc\.edge: .*above 0"),
-    "nothing but an edge": (
+    "edge of nothing": (
         {"toml": "[calc]\nedge = 1e-200"},
         r"room\.obj: an edge of 1e-200 m .*longer --edge",
     ),
@@ -280,31 +287,53 @@ def test_a_target_out_of_reach_is_a_warning(tmp_path):
     assert warning.startswith("target not reached") and warning.endswith("give more --time")
 
 
-def test_the_command_line_wins_over_the_scene_file(tmp_path):
-    # Even with a value that happens to be the default.
+@pytest.fixture(scope="module")
+def overridden(tmp_path_factory):
+    """A run whose scene file asks for one thing and whose command line for another."""
     toml = '[calc]\nseed = 3\npreset = "fine"\nmethod = "grid"\nedge = 1\nbatches = 2\n'
-    scene = write_room(tmp_path, toml=toml)
-    given = ("--seed", "0", "--preset", "normal", "--method", "sh")
-    assert lelight("calc", scene, *given).status == 0
-    settings = json.loads((tmp_path / "room.lelight" / "run.json").read_text(encoding="utf-8"))["settings"]
-    expected = {"seed": 0, "preset": "normal", "method": "sh", "edge": 1, "batches": 2, "target": 0.02}
-    assert {name: settings[name] for name in expected} == expected
-
-
-def test_warnings_of_the_scene_are_told(tmp_path):
     mtl = edited(ROOM_MTL, "newmtl wall\n", "newmtl wall\nillum 2\nd 0.5\n")
-    scene = write_room(tmp_path, mtl=mtl, toml="[calc]\nbatches = 2\nedge = 1\n")
-    told = lelight("calc", scene, "--preset", "draft")
-    ignored = "lelight: warning: room.mtl: illum, d carry no photometric meaning here and are ignored"
-    assert told.stderr.splitlines().count(ignored) == 1
+    scene = write_room(tmp_path_factory.mktemp("overridden"), mtl=mtl, toml=toml)
+    told = lelight("calc", scene, "--seed", "0", "--preset", "normal", "--method", "sh")
+    assert told.status == 0, told.stderr
+    return told, json.loads((scene.parent / "room.lelight" / "run.json").read_text(encoding="utf-8"))
+
+
+def test_the_command_line_wins_over_the_scene_file(overridden):
+    # Even with a value that happens to be the default.
+    _, record = overridden
+    expected = {"seed": 0, "preset": "normal", "method": "sh", "edge": 1, "batches": 2, "target": 0.02}
+    assert {name: record["settings"][name] for name in expected} == expected
+
+
+def test_warnings_of_the_scene_are_told(overridden):
+    told, record = overridden
+    ignored = "room.mtl: illum, d carry no photometric meaning here and are ignored"
+    assert told.stderr.splitlines().count(f"lelight: warning: {ignored}") == 1
+    assert record["warnings"].count(ignored) == 1
 
 
 def test_data_that_the_terminal_cannot_show_are_escaped(run):
     command = [sys.executable, "-c", "from lelight.cli.main import main; main()", "metrics", run.out]
-    told = subprocess.run(
-        command, capture_output=True, check=True, env={"PYTHONIOENCODING": "ascii", "PYTHONPATH": "."}
-    )
-    assert rb"cd/m\xb2" in told.stdout and told.stderr == b""
+    environment = {**os.environ, "PYTHONIOENCODING": "latin-1"}
+    told = subprocess.run(command, capture_output=True, check=True, env=environment, cwd=README.parent)
+    # Latin-1 has ü and ² and no λ.
+    assert told.stderr == b""
+    assert b'observers a/b: "\xfc\\u03bb" <x>' in told.stdout and b"cd/m\xb2" in told.stdout
+
+
+def test_a_run_that_cannot_finish_leaves_no_record_of_another(tmp_path):
+    scene = write_room(tmp_path, toml=ROOM_TOML + "[calc]\nbatches = 2\nedge = 1\n")
+    out = tmp_path / "room.lelight"
+    out.mkdir()
+    for name in ("run.json", "metrics.json"):
+        (out / name).write_text("{}", encoding="utf-8")
+    (out / "observers").write_text("mine", encoding="utf-8")
+    told = lelight("calc", scene)
+    assert told.status == 1 and told.stdout == ""
+    assert re.search(r"observers: cannot be written: a file stands where the folder", told.stderr)
+    assert not {"run.json", "metrics.json"} & {path.name for path in out.iterdir()}
+    assert_refused(lelight("render", out, "--observer", NASTY), r"run\.json: No such file .*`lelight calc ")
+    assert [path.name for path in out.rglob(".*")] == []
 
 
 def interrupted(running: subprocess.Popen[str]) -> tuple[int, str, str, float]:

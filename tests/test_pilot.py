@@ -9,6 +9,7 @@ import pytest
 from rooms import grey, lamp, lit, panel
 from shapes import box, placed
 
+from lelight import pilot
 from lelight.mesh.nodes import node_mesh
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import remesh
@@ -40,7 +41,12 @@ def sides_of(scene, labels, lit_, shape_first, shape_last):
 @pytest.mark.parametrize("seed", range(3))
 def test_inside_a_closed_box_nothing_is_lit(seed):
     """A cupboard off the walls: light reaches its outside and the room's inside, and no other side."""
-    scene = lit(box(ROOM), solid((1.0, 0.6, 1.8), (1.0, 1.0, 0.1)), materials=[grey("a", 0.5), grey("b", 0.5)], luminaires=SOURCE)
+    scene = lit(
+        box(ROOM),
+        solid((1.0, 0.6, 1.8), (1.0, 1.0, 0.1)),
+        materials=[grey("a", 0.5), grey("b", 0.5)],
+        luminaires=SOURCE,
+    )
     _, labels, found = prepared(scene, seed=seed)
     assert np.array_equal(sides_of(scene, labels, found, 0, 12), np.tile([True, False], (6, 1)))
     assert np.array_equal(sides_of(scene, labels, found, 12, 24), np.tile([True, False], (6, 1)))
@@ -55,22 +61,34 @@ def test_normals_may_point_either_way():
 
 
 def test_a_lamp_inside_the_closed_box_lights_its_inside_only():
-    scene = lit(box(ROOM), solid((1.0, 1.0, 1.0), (1.0, 1.0, 0.5)), materials=[grey("a", 0.5), grey("b", 0.5)], luminaires=(lamp((1.5, 1.5, 1.0)),))
+    scene = lit(
+        box(ROOM),
+        solid((1.0, 1.0, 1.0), (1.0, 1.0, 0.5)),
+        materials=[grey("a", 0.5), grey("b", 0.5)],
+        luminaires=(lamp((1.5, 1.5, 1.0)),),
+    )
     _, labels, found = prepared(scene)
     assert not sides_of(scene, labels, found, 0, 12).any()
     assert np.array_equal(sides_of(scene, labels, found, 12, 24), np.tile([False, True], (6, 1)))
 
 
-def test_the_dark_end_of_a_corridor_is_lit():
-    """A lamp at one end of a U: the other end sees neither it nor a wall that does, and is lit all the same."""
+def corridor():
+    """A U of legs 2 m wide and 10 m long, a lamp at one end."""
     outline = np.array([[0, 0], [10, 0], [10, 6], [0, 6], [0, 4], [8, 4], [8, 2], [0, 2]], dtype=float)
     count = len(outline)
     here, there = np.arange(count), (np.arange(count) + 1) % count
     vertices = np.concatenate([np.c_[outline, np.zeros(count)], np.c_[outline, np.full(count, 2.5)]])
-    walls = np.concatenate([np.stack([here, there, count + there], 1), np.stack([here, count + there, count + here], 1)])
+    walls = np.concatenate(
+        [np.stack([here, there, count + there], 1), np.stack([here, count + there, count + here], 1)]
+    )
     flat = np.array([(0, 1, 7), (1, 6, 7), (1, 2, 6), (2, 5, 6), (2, 3, 5), (3, 4, 5)])
     triangles = np.concatenate([walls[:, ::-1], flat, flat[:, ::-1] + count])
-    scene = lit((vertices, triangles), materials=[grey("walls", 0.3)], luminaires=(lamp((0.5, 1.0, 2.0)),))
+    return lit((vertices, triangles), materials=[grey("walls", 0.3)], luminaires=(lamp((0.5, 1.0, 2.0)),))
+
+
+def test_the_dark_end_of_a_corridor_is_lit():
+    """It sees neither the lamp nor a wall that does, and is lit all the same."""
+    scene = corridor()
     world, labels, found = prepared(scene)
     # Whatever the winding, one side of each patch looks into the corridor; it is lit, and the other is not.
     inward = inner_side(scene, labels)
@@ -78,6 +96,17 @@ def test_the_dark_end_of_a_corridor_is_lit():
     assert np.array_equal(found.sum(axis=1), np.ones(len(found)))
     mesh = node_mesh(remesh(scene, labels, edge=1.0), found)
     assert not buried(world, mesh, seed=0, executor=THREADS).any()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_few_walks_would_take_the_dark_end_for_buried(seed, monkeypatch):
+    """Many walks from the nodes left over are there for a reason: without them nodes of the far leg are lost."""
+    scene = corridor()
+    world, labels, found = prepared(scene)
+    mesh = node_mesh(remesh(scene, labels, edge=0.5), found)
+    assert not buried(world, mesh, seed=seed, executor=THREADS).any()
+    monkeypatch.setattr(pilot, "MANY_WALKS", pilot.FEW_WALKS)
+    assert buried(world, mesh, seed=seed, executor=THREADS).any()
 
 
 def inner_side(scene, labels):
@@ -96,7 +125,12 @@ def inner_side(scene, labels):
 def test_floor_nodes_under_a_box_that_stands_on_it_are_buried_and_no_others():
     """A box 2 m x 1 m on the floor, without a gap: its own underside and the floor beneath are not there."""
     corner, size = np.array([2.0, 2.0]), np.array([2.0, 1.0])
-    scene = lit(box(ROOM), solid((2.0, 1.0, 0.8), (2.0, 2.0, 0.0)), materials=[grey("a", 0.5), grey("b", 0.5)], luminaires=SOURCE)
+    scene = lit(
+        box(ROOM),
+        solid((2.0, 1.0, 0.8), (2.0, 2.0, 0.0)),
+        materials=[grey("a", 0.5), grey("b", 0.5)],
+        luminaires=SOURCE,
+    )
     world, labels, found = prepared(scene)
     mesh = node_mesh(remesh(scene, labels, edge=0.3), found)
     hidden = buried(world, mesh, seed=0, executor=THREADS)
@@ -119,7 +153,12 @@ def test_a_one_sided_panel_lights_what_it_faces():
 
 
 def test_the_verdict_does_not_depend_on_the_threads():
-    scene = lit(box(ROOM), solid((2.0, 1.0, 0.8), (2.0, 2.0, 0.0)), materials=[grey("a", 0.5), grey("b", 0.5)], luminaires=SOURCE)
+    scene = lit(
+        box(ROOM),
+        solid((2.0, 1.0, 0.8), (2.0, 2.0, 0.0)),
+        materials=[grey("a", 0.5), grey("b", 0.5)],
+        luminaires=SOURCE,
+    )
     world, labels, found = prepared(scene)
     mesh = node_mesh(remesh(scene, labels, edge=0.5), found)
     verdicts = []

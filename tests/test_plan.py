@@ -25,7 +25,9 @@ def decision(plan, name):
 
 
 def test_a_grey_diffuse_scene_pays_for_one_channel_and_one_number_a_node():
-    plan = plan_of(grey("walls", 0.5), grey("lamp", 0.2, luminance=100.0), luminaires=(lamp((1.0, 1.0, 1.0)),))
+    plan = plan_of(
+        grey("walls", 0.5), grey("lamp", 0.2, luminance=100.0), luminaires=(lamp((1.0, 1.0, 1.0)),)
+    )
     assert (plan.channels, plan.degree) == (1, 0)
     assert np.array_equal(plan.degrees, [0, 0])
     assert decision(plan, "angular detail").value == "none"

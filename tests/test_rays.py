@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from rooms import normalised
 from shapes import box, placed, scene_of
 
 from lelight.tracing.rays import RayCaster
@@ -24,8 +25,7 @@ everywhere = pytest.mark.parametrize(("scale", "shift"), PLACES.values(), ids=PL
 
 
 def directions_of(rng, count):
-    directions = rng.normal(size=(count, 3))
-    return directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    return normalised(rng.normal(size=(count, 3)))
 
 
 def room(scale, shift):
@@ -61,7 +61,9 @@ def test_hit_points_lie_on_their_triangle_in_double_precision(scale, shift):
     caster = room(scale, shift)
     origins = rng.uniform(0.01, 0.99, (500, 3)) * SIZE * scale + shift
     hits = caster.closest(origins, directions_of(rng, 500))
-    height = np.einsum("kx,kx->k", hits.points - caster.corners[hits.triangle, 0], caster.normals[hits.triangle])
+    height = np.einsum(
+        "kx,kx->k", hits.points - caster.corners[hits.triangle, 0], caster.normals[hits.triangle]
+    )
     # Rounding of the coordinates themselves is all that is left.
     assert np.abs(height).max() <= 8 * np.finfo(float).eps * (np.abs(shift).max() + 4 * scale)
 
@@ -73,12 +75,26 @@ def test_a_ray_that_leaves_the_scene_hits_nothing_and_stays_where_it_was():
     assert hits.triangle[0] == -1
     assert hits.triangle[1] >= 0
     assert np.array_equal(hits.points[0], origins[0])
+    assert not hits.normals[0].any()
+    # The ray from inside meets the wall x = 4, whose front looks back along it.
+    assert np.array_equal(hits.normals[1], [-1.0, 0.0, 0.0])
+    assert hits.front[1]
+
+
+def test_normals_are_those_of_the_side_that_was_hit():
+    """From outside the box its walls are met on their backs."""
+    hits = room(1.0, (0.0, 0.0, 0.0)).closest(np.array([[10.0, 1.0, 1.0]]), np.array([[-1.0, 0.0, 0.0]]))
+    assert np.array_equal(hits.normals, [[1.0, 0.0, 0.0]])
+    assert not hits.front[0]
 
 
 @everywhere
 def test_visible_agrees_with_the_geometry_of_a_screen(scale, shift):
     """A screen x = 2, 1 < y < 2, 0.5 < z < 1.5 in the room: a segment is cut where it crosses the rectangle."""
-    screen = (np.array([[2, 1, 0.5], [2, 2, 0.5], [2, 2, 1.5], [2, 1, 1.5]]), np.array([[0, 1, 2], [0, 2, 3]]))
+    screen = (
+        np.array([[2, 1, 0.5], [2, 2, 0.5], [2, 2, 1.5], [2, 1, 1.5]]),
+        np.array([[0, 1, 2], [0, 2, 3]]),
+    )
     shapes = [placed(shape, scale=scale, shift=shift) for shape in (box(tuple(SIZE)), screen)]
     caster = RayCaster.of(scene_of(*shapes))
     rng = np.random.default_rng(3)
@@ -124,6 +140,33 @@ def test_rays_from_corners_neither_meet_their_own_surface_nor_leave_the_room(sca
 
 
 @everywhere
+def test_hits_at_the_very_edges_keep_off_them_and_walk_on_inside_the_room(scale, shift):
+    """Rays aimed at edges and corners: single precision puts a part of the hits beyond the edge of their wall.
+
+    They are drawn back by the offset, so a walk goes on inside the closed room and never meets its outside.
+    """
+    rng = np.random.default_rng(8)
+    count = 20_000
+    caster = room(scale, shift)
+    on_edges = rng.random((count, 3))
+    ends = rng.integers(0, 2, (count, 3))
+    fixed = rng.permuted(np.tile([True, True, False], (count, 1)), axis=1)
+    targets = np.where(fixed, ends, on_edges) * SIZE
+    origins = rng.uniform(0.1, 0.9, (count, 3)) * SIZE
+    directions = normalised(targets - origins)
+    hits = caster.closest(origins * scale + shift, directions)
+    assert np.all(hits.triangle >= 0)
+    heights = np.sort(np.minimum(hits.points - shift, SIZE * scale - (hits.points - shift)), axis=1)
+    # Nearest is the wall itself; the walls next to it stand off by the offset, as far as coordinates tell.
+    rounding = 8 * np.finfo(float).eps * np.abs(shift).max()
+    assert heights[:, 1].min() > 0.5 * caster.offset - rounding
+    onward = cosine_directions(rng.random((count, 2)), hits.normals)
+    after = caster.closest(caster.leave(hits.points, hits.normals), onward)
+    assert np.all(after.triangle >= 0)
+    assert np.all(after.front)
+
+
+@everywhere
 def test_lifted_ends_on_two_walls_of_an_edge_see_each_other(scale, shift):
     """Floor and wall x = 0 near their common edge: nothing stands between them, however near they are."""
     rng = np.random.default_rng(6)
@@ -139,7 +182,10 @@ def test_lifted_ends_on_two_walls_of_an_edge_see_each_other(scale, shift):
 
 def test_a_thin_sheet_separates_its_two_sides():
     """Points lifted to the two sides of one rectangle do not see each other: the offset does not leak."""
-    sheet = (np.array([[0, 0, 1], [4, 0, 1], [4, 3, 1], [0, 3, 1]], dtype=float), np.array([[0, 1, 2], [0, 2, 3]]))
+    sheet = (
+        np.array([[0, 0, 1], [4, 0, 1], [4, 3, 1], [0, 3, 1]], dtype=float),
+        np.array([[0, 1, 2], [0, 2, 3]]),
+    )
     caster = RayCaster.of(scene_of(box(tuple(SIZE)), sheet))
     rng = np.random.default_rng(7)
     above, below = (np.append(rng.uniform(0.1, 2.9, (2000, 2)), np.ones((2000, 1)), axis=1) for _ in range(2))

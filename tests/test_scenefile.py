@@ -47,7 +47,7 @@ method = "grid"
 edge = 0.25
 seed = 7
 threads = 2
-chains = 1024
+estimator = "emitters"
 batches = 16
 directions = 64
 """
@@ -91,7 +91,7 @@ def test_every_key_arrives(tmp_path: Path) -> None:
         "edge": 0.25,
         "seed": 7,
         "threads": 2,
-        "chains": 1024,
+        "estimator": "emitters",
         "batches": 16,
         "directions": 64,
     }
@@ -158,8 +158,8 @@ def test_empty_file_means_the_defaults(tmp_path: Path) -> None:
             PLANE + "u = [1, 0, 0]\nv = [0, 1, 0]\ntarget = { ugrr = 1 }",
             " planes[0].target.ugrr: unknown key; did you",
         ),
-        ("[calc]\nchains = 1000", " calc.chains: found 1000; allowed is a power of two, like 1024"),
-        ("[calc]\nchains = 0", " calc.chains: found 0; allowed is greater than or equal to 1"),
+        ("[calc]\nbatches = 0", " calc.batches: found 0; allowed is greater than or equal to 1"),
+        ('[calc]\nestimator = "x"', ' calc.estimator: found "x"; allowed is'),
         ("[calc]\nthreads = 1.5", " calc.threads: found 1.5; allowed is a valid integer"),
         ('[calc]\ntarget = "200%"', ' calc.target: found "200%"; allowed is a share like 0.02 or "2%"'),
         ('[calc]\ntime = "5 hours"', ' calc.time: found "5 hours"; allowed is a time like 60'),

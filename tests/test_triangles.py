@@ -60,14 +60,18 @@ def cell_probabilities(corners, normal, area):
     fine = CELLS * PARTS
     edges = np.linspace(0, 1, fine + 1)
     grid = place(corners, *np.meshgrid(edges, edges, indexing="ij"))
-    middles = place(corners, *np.meshgrid((edges[1:] + edges[:-1]) / 2, (edges[1:] + edges[:-1]) / 2, indexing="ij"))
+    middles = place(
+        corners, *np.meshgrid((edges[1:] + edges[:-1]) / 2, (edges[1:] + edges[:-1]) / 2, indexing="ij")
+    )
     probability = np.zeros((fine, fine))
     for i, j in np.ndindex(fine, fine):
         quad = [grid[i, j], grid[i + 1, j], grid[i + 1, j + 1], grid[i, j + 1]]
         halves = [np.array([quad[0], quad[1], quad[2]]), np.array([quad[0], quad[2], quad[3]])]
         direction = tuple(middles[i, j] / np.linalg.norm(middles[i, j]))
         solid_angle = sum(triangles.triangle_solid_angle(half, *ORIGIN) for half in halves)
-        probability[i, j] = solid_angle * triangles.triangle_density(corners, normal, area, *ORIGIN, direction)
+        probability[i, j] = solid_angle * triangles.triangle_density(
+            corners, normal, area, *ORIGIN, direction
+        )
     return probability.reshape(CELLS, PARTS, CELLS, PARTS).sum(axis=(1, 3))
 
 
@@ -89,7 +93,8 @@ def test_solid_angle_is_what_girard_says(corners):
     planes = [np.cross(p, q) / np.linalg.norm(np.cross(p, q)) for p, q in ((a, b), (b, c), (c, a))]
     # The angle between neighbouring planes, by its tangent: arc cosines lose the needle's last digits.
     turns = [
-        math.atan2(np.linalg.norm(np.cross(planes[k - 1], planes[k])), planes[k - 1] @ planes[k]) for k in range(3)
+        math.atan2(np.linalg.norm(np.cross(planes[k - 1], planes[k])), planes[k - 1] @ planes[k])
+        for k in range(3)
     ]
     excess = 2 * math.pi - sum(turns)
     assert triangles.triangle_solid_angle(corners, *ORIGIN) == pytest.approx(excess, rel=1e-6, abs=1e-13)
@@ -117,7 +122,9 @@ def test_samples_lie_on_the_triangle_and_carry_the_density_of_their_direction(co
         assert np.dot(np.multiply(direction, distance) - corners[0], normal) == pytest.approx(0.0, abs=1e-8)
         again = triangles.triangle_density(corners, normal, area, *ORIGIN, direction)
         assert again == pytest.approx(density, rel=1e-6)
-        assert triangles.point_on_ray(corners, normal, *ORIGIN, direction) == pytest.approx(distance, rel=1e-6)
+        assert triangles.point_on_ray(corners, normal, *ORIGIN, direction) == pytest.approx(
+            distance, rel=1e-6
+        )
 
 
 def test_samples_by_area_do_not_follow_the_solid_angle_of_a_near_triangle():
@@ -152,7 +159,9 @@ def test_irradiance_of_panels_above_the_horizon_is_the_integral_over_their_area(
 def test_irradiance_with_the_horizon_cut_off_is_the_integral_over_what_stands_above_it(tilt, azimuth):
     """Normals all round: the panel is above the horizon, cut by it along either number of corners, or below."""
     corners = np.array([(-1, -1.2, 1), (2, -0.4, 1.1), (-0.3, 1.5, 0.8)], dtype=float)
-    normal = np.array([math.sin(tilt) * math.cos(azimuth), math.sin(tilt) * math.sin(azimuth), math.cos(tilt)])
+    normal = np.array(
+        [math.sin(tilt) * math.cos(azimuth), math.sin(tilt) * math.sin(azimuth), math.cos(tilt)]
+    )
     light = triangles.triangle_irradiance(corners, *ORIGIN, *normal)
     # The kink at the horizon leaves the quadrature about order^-2 of the peak.
     assert light == pytest.approx(cosine_integral(corners, normal), rel=1e-5, abs=3e-4)
@@ -173,7 +182,9 @@ def test_irradiance_of_a_cut_rectangle_is_the_published_view_factor():
     x, y = c / b, a / b
     factor = (math.atan(1 / y) - y / math.hypot(x, y) * math.atan(1 / math.hypot(x, y))) / (2 * math.pi)
     wall = np.array([(a, 0, -3), (a, b, -3), (a, b, c), (a, 0, c)])
-    halves = [triangles.triangle_irradiance(wall[list(k)], *ORIGIN, 0.0, 0.0, 1.0) for k in ((0, 1, 2), (0, 2, 3))]
+    halves = [
+        triangles.triangle_irradiance(wall[list(k)], *ORIGIN, 0.0, 0.0, 1.0) for k in ((0, 1, 2), (0, 2, 3))
+    ]
     assert sum(halves) == pytest.approx(math.pi * factor, rel=EXACT)
 
 

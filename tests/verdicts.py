@@ -10,8 +10,9 @@ from scipy.special import chdtrc, stdtrit
 
 from lelight.scene import FloatArray
 
-#: Probability with which a right answer is called wrong, over all values judged together.
-LEVEL = 0.01
+#: Probability with which one verdict calls a right answer wrong, over all values that it judges together. The
+#: tests hold some fifty verdicts: about 5 % for all of them.
+LEVEL = 1e-3
 #: Cells that expect fewer samples than this are put together: chi-square needs about five (Cochran 1954).
 LEAST_EXPECTED = 5.0
 #: What a sum of integrated probabilities may be off from one.

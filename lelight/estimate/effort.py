@@ -26,7 +26,7 @@ from lelight.tracing.world import World
 
 #: Trial batches, and the samples of each part in one, as powers of two.
 TRIALS = 8
-TRIAL = (4, 3, 4)
+TRIAL = (4, 2, 3)
 #: Batches that the chosen effort should need; more than the least, so that the stop is close to the target.
 WANTED_BATCHES = 12
 #: A shadow ray of the pair kernel is coherent with its neighbours; others cost about this much more.
@@ -37,9 +37,9 @@ MOST_DOUBLINGS, MOST_HALVINGS = 3, 1
 #: may have missed it in the trials and will not in the run.
 CAUTION = 0.5
 #: Bounds of the split that are tried, against that of 1024 chains, and receivers they are tried on.
-BOUNDS_ON_BASE = (0.1, 0.4, 1.6, 6.4)
-BOUNDS_OF_EMITTERS = (0.8, 3.2, 12.8)
-BOUND_RECEIVERS = 512
+BOUNDS_ON_BASE = (0.1, 0.8, 6.4)
+BOUNDS_OF_EMITTERS = (0.8, 6.4)
+BOUND_RECEIVERS = 384
 #: Least samples of the parts in a batch, and most, as powers of two.
 LEAST, MOST = (5, 2, 2), 16
 #: Seeds of trials are apart from those of batches.
@@ -79,6 +79,7 @@ def choose_effort(
     base: BaseField | None,
     areas: FloatArray,
     target: float,
+    most_rays: float,
     seed: int,
     executor: Executor,
 ) -> tuple[Effort, Receivers]:
@@ -88,6 +89,7 @@ def choose_effort(
     ----------
     areas : (r,) float, m²; weights of the receivers in the error, 0 for those that do not count
     target : float, relative standard error
+    most_rays : float, rays that a batch may take at the most; inf where there is no clock
 
     Returns
     -------
@@ -97,7 +99,9 @@ def choose_effort(
     bound = _best_bound(world, receivers, base, areas, seed, executor)
     spread = _spread(world, receivers, base, bound, areas, seed, executor)
     direct, near = _doublings(spread.variance[1]), _doublings(spread.variance[2])
-    samples = _samples(*spread.shared_out(direct, near, areas), target)
+    variance, cost = spread.shared_out(direct, near, areas)
+    samples = _samples(variance, cost, target)
+    samples *= min(1.0, WANTED_BATCHES * most_rays / (len(receivers) * float(samples @ cost)))
     log2 = [round(float(np.log2(max(1.0, count / WANTED_BATCHES)))) for count in samples]
     log2 = [min(max(least, each), MOST) for each, least in zip(log2, LEAST, strict=True)]
     shared_out = replace(

@@ -21,11 +21,11 @@ from lelight.estimate.paths import (
     NUMBERS,
     Paths,
     chosen_paths,
-    list_near,
     meet,
     reflected_radiance,
     rotated_numbers,
 )
+from lelight.estimate.split import list_near
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import hash_of

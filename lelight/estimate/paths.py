@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from lelight.estimate.split import above, lobe_probability, lobe_shares
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.emitters import (
     Emitters,
@@ -181,47 +182,6 @@ def rotated_numbers(table: FloatArray, key: np.uint64, identity: IntArray, out: 
                 out[r * count + s, d] = rotated(table[s, d], shift)
 
 
-@njit(**_COMPILED)
-def _above(bound: float, kernel: float) -> float:
-    """Share of a kernel that lies above the bound."""
-    if bound <= 0.0:
-        return 1.0
-    return max(0.0, 1.0 - bound / kernel) if kernel > 0.0 else 0.0
-
-
-@njit(**_COMPILED)
-def lobe_shares(
-    reflectances: Reflectances, material: int, bound: float, geometry: float
-) -> tuple[float, float]:
-    """Shares of kd and ks above the bound; for the Phong lobe an upper limit, reached at its peak."""
-    n = reflectances.exponent[material]
-    return _above(bound, geometry), _above(bound, 0.5 * (n + 2.0) * geometry)
-
-
-@njit(**_COMPILED)
-def lobe_probability(
-    reflectances: Reflectances, material: int, share_diffuse: float, share_specular: float
-) -> float:
-    """Probability of going on with the Lambertian lobe; negative where neither lobe has anything to give."""
-    diffuse = reflectances.diffuse_share[material] * share_diffuse
-    specular = reflectances.specular_share[material] * share_specular
-    if diffuse + specular <= 0.0:
-        return -1.0
-    return float(diffuse / (diffuse + specular))
-
-
-@njit(**_COMPILED)
-def list_near(
-    reflectances: Reflectances, materials: IntArray, geometry: FloatArray, bound: float
-) -> BoolArray:
-    """Mark the first surfaces of which anything lies above the bound."""
-    near = np.zeros(len(materials), dtype=np.bool_)
-    for k in range(len(materials)):
-        share_d, share_s = lobe_shares(reflectances, materials[k], bound, geometry[k])
-        near[k] = lobe_probability(reflectances, materials[k], share_d, share_s) >= 0.0
-    return near
-
-
 def _add_drawn_sources(
     world: World, paths: Paths, bound: float, numbers: FloatArray, radiance: FloatArray
 ) -> int:
@@ -248,43 +208,6 @@ def _add_drawn_sources(
     clear = lit[world.caster.visible(origins[lit], ends[lit])]
     np.add.at(radiance, paths.number[clear], light[clear])
     return len(lit)
-
-
-def shadow_rays(world: World, places: Paths, numbers: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
-    """One shadow ray a place toward a drawn source: which places (l,) have one, origins and ends (k, 3)."""
-    origins, ends = np.empty_like(places.points), np.empty_like(places.points)
-    found = np.zeros(len(places.number), dtype=np.bool_)
-    _draw_shadow_rays(
-        world.emitters, places.points, places.normals, numbers, world.caster.offset, found, origins, ends
-    )
-    return np.flatnonzero(found), origins, ends
-
-
-@njit(**_COMPILED)
-def _draw_shadow_rays(
-    emitters: Emitters,
-    points: FloatArray,
-    normals: FloatArray,
-    numbers: FloatArray,
-    offset: float,
-    found: BoolArray,
-    origins: FloatArray,
-    ends: FloatArray,
-) -> None:
-    cdf = np.empty(len(emitters.power))
-    for k in range(len(points)):
-        x, y, z = points[k]
-        nx, ny, nz = normals[k]
-        if not rough_cdf(emitters, x, y, z, nx, ny, nz, cdf):
-            continue
-        source, _ = chosen(cdf, numbers[k, 0])
-        d, end, factor, _ = toward(emitters, source, x, y, z, numbers[k, 1], numbers[k, 2], offset)
-        if factor <= 0.0 or d[0] * nx + d[1] * ny + d[2] * nz <= 0.0:
-            continue
-        found[k] = True
-        for axis in range(3):
-            origins[k, axis] = points[k, axis] + offset * normals[k, axis]
-            ends[k, axis] = end[axis]
 
 
 @njit(**_COMPILED)
@@ -325,7 +248,7 @@ def _draw_sources(
         ax, ay, az = mirrored(ox, oy, oz, nx, ny, nz)
         cos_alpha = d[0] * ax + d[1] * ay + d[2] * az
         peak = lobe(n, cos_alpha)
-        phong = peak * _above(bound, math.pi * peak * geometry[k])
+        phong = peak * above(bound, math.pi * peak * geometry[k])
         if phong > 0.0 and density > 0.0:
             drawn = share * density
             phong *= drawn / (drawn + (1.0 - p_diffuse) * lobe_density(n, cos_alpha))
@@ -403,8 +326,8 @@ def _reflect_back(
             ax, ay, az = mirrored(outgoing[k, 0], outgoing[k, 1], outgoing[k, 2], nx, ny, nz)
             dx, dy, dz = to_axis(x, y, z, ax, ay, az)
             cos_theta = max(0.0, dx * nx + dy * ny + dz * nz)
-            above = _above(bound, math.pi * lobe(n, z) * geometry[k])
-            factor = (n + 2.0) / (n + 1.0) * cos_theta * above / (1.0 - p_diffuse)
+            share = above(bound, math.pi * lobe(n, z) * geometry[k])
+            factor = (n + 2.0) / (n + 1.0) * cos_theta * share / (1.0 - p_diffuse)
             density[k] = (1.0 - p_diffuse) * lobe_density(n, z)
             for c in range(channels):
                 onward[k, c] = throughput[k, c] * reflectances.specular[m, c] * factor

@@ -9,7 +9,7 @@ import difflib
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from lelight.metrics.grid import cell_counts
@@ -135,19 +135,13 @@ class PlaneTable(Table):
         return self
 
 
-def _power_of_two(found: int) -> int:
-    if found & (found - 1):
-        raise ValueError("allowed is a power of two, like 1024")
-    return found
-
-
 Count = Annotated[int, Field(ge=1, le=2**31)]
 
 
 class CalcTable(Table):
     """Expert keys of the calculation; what is absent is for the command line and the plan to say.
 
-    ``target`` is a relative standard error, ``time`` is in s, ``edge`` in m, ``chains`` are per batch.
+    ``target`` is a relative standard error, ``time`` is in s, ``edge`` in m.
     """
 
     target: RelativeError | None = None
@@ -157,7 +151,7 @@ class CalcTable(Table):
     edge: Length | None = None
     seed: Annotated[int, Field(ge=0, lt=2**63)] | None = None
     threads: Count | None = None
-    chains: Annotated[Count, AfterValidator(_power_of_two)] | None = None
+    estimator: Literal["base", "emitters"] | None = None
     batches: Annotated[Count, Field(ge=2)] | None = None
     directions: Annotated[int, Field(ge=16, le=2**16)] | None = None
 

@@ -254,10 +254,11 @@ def _triangle_importance(
 @njit(**_COMPILED)
 def _rises(corners: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float) -> bool:
     """Say whether any corner stands above the horizon of a place."""
+    highest = -math.inf
     for k in range(3):
-        if (corners[k, 0] - x) * nx + (corners[k, 1] - y) * ny + (corners[k, 2] - z) * nz > 0.0:
-            return True
-    return False
+        rise = (corners[k, 0] - x) * nx + (corners[k, 1] - y) * ny + (corners[k, 2] - z) * nz
+        highest = max(highest, rise)
+    return highest > 0.0
 
 
 @njit(**_COMPILED)

@@ -3,7 +3,8 @@
 Embree computes in single precision and offers no near distance. The scene is therefore recentred and scaled
 to the unit cube in double precision before it is handed over, origins are moved off their surface along the
 normal by a few float32 steps of the scene's size, and points hit are computed again in double precision from
-the triangle's own corners.
+the triangle's own corners, as far off its border: a point that single precision puts beyond the edge of a wall
+would go on behind the next.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from embreex.rtcore_scene import EmbreeScene
 from numba import njit
 from numpy.typing import NDArray
 
-from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_normals
+from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
 
 #: Single precision, in which embree computes.
 Float32Array = NDArray[np.float32]
@@ -25,6 +26,8 @@ Float32Array = NDArray[np.float32]
 #: Distance from a surface at which rays start, as a share of half the scene's extent (about 60 float32
 #: steps).
 OFFSET_SHARE = 4e-6
+#: Least weight of a triangle's corner in a point hit, at most; it keeps the point off the border.
+LARGEST_INSET = 0.01
 #: Shadow rays stop this share of their length before the target.
 SHADOW_SHARE = 1.0 - 1e-5
 
@@ -58,6 +61,7 @@ class RayCaster:
         self.centre: FloatArray = 0.5 * (low + high)
         self.scale = 2.0 / float(np.max(high - low))
         self.offset = OFFSET_SHARE / self.scale
+        self._insets = np.minimum(self.offset / _least_heights(self.corners), LARGEST_INSET)
         # The device must outlive the scene that it made.
         self._device = EmbreeDevice()
         self._scene = EmbreeScene(self._device, robust=True)
@@ -79,7 +83,14 @@ class RayCaster:
         """
         found = self._scene.run(self._scaled(origins), directions.astype(np.float32), output=True)
         landed = _land(
-            found["primID"], found["u"], found["v"], self.corners, self.normals, origins, directions
+            found["primID"],
+            found["u"],
+            found["v"],
+            self._insets,
+            self.corners,
+            self.normals,
+            origins,
+            directions,
         )
         return Hits(*landed)
 
@@ -105,6 +116,13 @@ class RayCaster:
         return np.asarray(_to_unit_cube(points, self.centre, self.scale))
 
 
+def _least_heights(corners: FloatArray) -> FloatArray:
+    """Least height (n,) in m of triangles (n, 3, 3) over one of their edges; tiny where there is no area."""
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    tiny = np.finfo(np.float64).tiny
+    return np.asarray(np.maximum(2.0 * triangle_areas(corners) / np.maximum(longest, tiny), tiny))
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def _to_unit_cube(points: FloatArray, centre: FloatArray, scale: float) -> Float32Array:
     """Recentre and scale in double precision, then round."""
@@ -120,6 +138,7 @@ def _land(
     hit: NDArray[np.int32],
     u: Float32Array,
     v: Float32Array,
+    insets: FloatArray,
     corners: FloatArray,
     normals: FloatArray,
     origins: FloatArray,
@@ -137,8 +156,10 @@ def _land(
         if t < 0:
             points[k] = origins[k]
             continue
-        wb, wc = float(u[k]), float(v[k])
-        wa = 1.0 - wb - wc
+        wb, wc = max(insets[t], float(u[k])), max(insets[t], float(v[k]))
+        wa = max(insets[t], 1.0 - wb - wc)
+        total = wa + wb + wc
+        wa, wb, wc = wa / total, wb / total, wc / total
         along = 0.0
         for axis in range(3):
             points[k, axis] = wa * corners[t, 0, axis] + wb * corners[t, 1, axis] + wc * corners[t, 2, axis]
