@@ -138,7 +138,7 @@ def test_a_vertex_reflects_only_with_the_lobes_that_it_is_given():
     world = floor_room(0.3, 0.3, 50.0)
     diffuse, diffuse_flux = reflected_once(world, lobes=DIFFUSE_LOBE, incoming=INCOMING)
     specular, _ = reflected_once(world, lobes=SPECULAR_LOBE, incoming=INCOMING)
-    both, both_flux = reflected_once(world, lobes=BOTH_LOBES, incoming=INCOMING)
+    _, both_flux = reflected_once(world, lobes=BOTH_LOBES, incoming=INCOMING)
     np.testing.assert_allclose(diffuse_flux, 0.3, rtol=EXACT)
     assert np.mean(specular @ [-0.6, 0.0, 0.8] > 0.8) > 0.999
     assert np.mean(diffuse @ [-0.6, 0.0, 0.8] > 0.8) < 0.3

@@ -278,7 +278,8 @@ def test_a_lamp_gives_no_light_in_its_own_plane_however_it_is_turned(corners, we
     """Corners, edges and the inside: all light is the point's, though rounding lifts places off the plane."""
     corners = corners + shift
     triangle = (corners, np.array([[0, 1, 2]]))
-    point = lamp(tuple(corners.mean(axis=0) + [0.0, 0.0, 20.0]))
+    above = corners.mean(axis=0) + np.array([0.0, 0.0, 20.0])
+    point = lamp(tuple(above))
     scene = lit(triangle, materials=[MATERIALS[1]], luminaires=(point,))
     emitters = collect_emitters(scene, channel_matrix(1))
     place = np.array(weights) @ corners

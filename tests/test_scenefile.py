@@ -158,7 +158,7 @@ def test_empty_file_means_the_defaults(tmp_path: Path) -> None:
             PLANE + "u = [1, 0, 0]\nv = [0, 1, 0]\ntarget = { ugrr = 1 }",
             " planes[0].target.ugrr: unknown key; did you",
         ),
-        ("[calc]\nbatches = 0", " calc.batches: found 0; allowed is greater than or equal to 1"),
+        ("[calc]\nbatches = 0", " calc.batches: found 0; allowed is greater than or equal to 2"),
         ('[calc]\nestimator = "x"', ' calc.estimator: found "x"; allowed is'),
         ("[calc]\nthreads = 1.5", " calc.threads: found 1.5; allowed is a valid integer"),
         ('[calc]\ntarget = "200%"', ' calc.target: found "200%"; allowed is a share like 0.02 or "2%"'),
