@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from rooms import furnace, glossy_room, grey, lamp, lit
+from rooms import furnace, glossy_room, grey, lamp, lit, panel
 from shapes import box, placed
 from verdicts import agrees, same_mean
 
@@ -343,24 +343,66 @@ def test_default_bound_is_the_inverse_square_of_four_spacings():
     assert bound_for(6.0, 600.0) == pytest.approx(1 / 0.16, rel=EXACT)
 
 
+def effort_for(target, *, most_rays=np.inf):
+    world, receivers = nodes_of_room()
+    areas = np.ones(len(receivers))
+    effort, _ = choose_effort(
+        world,
+        receivers,
+        base=None,
+        areas=areas,
+        target=target,
+        most_rays=most_rays,
+        seed=1,
+        executor=THREADS,
+    )
+    return effort
+
+
 def test_effort_grows_as_the_inverse_square_of_the_target():
     """A quarter of the error takes sixteen times the samples, up to the rounding to powers of two."""
-    world, receivers = nodes_of_room()
-    efforts = [
-        choose_effort(
-            world,
-            receivers,
-            base=None,
-            areas=np.ones(len(receivers)),
-            target=target,
-            seed=1,
-            executor=THREADS,
-        )[0]
-        for target in (0.02, 0.005)
-    ]
-    assert efforts[1].log2_chains - efforts[0].log2_chains == pytest.approx(4, abs=1)
-    assert efforts[1].log2_near - efforts[0].log2_near == pytest.approx(4, abs=1)
-    assert efforts[1].bound == efforts[0].bound
+    coarse, fine = effort_for(0.02), effort_for(0.005)
+    assert fine.log2_chains - coarse.log2_chains == pytest.approx(4, abs=1)
+    assert fine.log2_near - coarse.log2_near == pytest.approx(4, abs=1)
+    assert fine.bound == coarse.bound
+
+
+def test_effort_keeps_to_the_rays_that_a_batch_may_take():
+    free, short = effort_for(0.005), effort_for(0.005, most_rays=1e4)
+    assert short.log2_chains < free.log2_chains
+    assert short.log2_near < free.log2_near
+
+
+#: What every wall of a closed room may be: black, mirrors only, nearly white, almost a mirror.
+EXTREMES = {
+    "black": grey("walls", 0.0),
+    "no Lambertian lobe": grey("walls", 0.0, specular=0.6, exponent=20.0),
+    "mirrors": grey("walls", 0.0, specular=0.6, exponent=1e4),
+    "nearly white": grey("walls", 0.98),
+    "nearly a mirror": grey("walls", 0.2, specular=0.7, exponent=1e4),
+}
+
+
+@pytest.mark.parametrize("walls", EXTREMES.values(), ids=EXTREMES)
+def test_extreme_rooms_give_the_same_light_by_both_estimators(walls):
+    """Under a tilted lamp that shines both ways, in whose plane rounding decides what stands above."""
+    from lelight.calculation import calculate
+
+    tilted = panel((1.2, 0.9, 1.6), (0.0, 0.8, 0.3), (1.1, 0.0, 0.2))
+    glow = grey("lamp", 0.0, luminance=100.0, emission_sides="both")
+    scene = lit(box((4.0, 3.0, 2.5)), tilted, materials=[walls, glow])
+    means = []
+    for estimator in ("base", "emitters"):
+        run = calculate(scene, Settings(edge=1.0, batches=10, target=0.1, estimator=estimator))
+        for name, column in vars(run.field.values).items():
+            assert np.all(np.isfinite(column)), name
+        assert not run.field.mesh.hidden.any()
+        means.append(np.array(run.replicates.at_nodes) @ run.field.mesh.areas)
+    if walls.diffuse.any() or walls.glossy:
+        assert same_mean(means[0][:, None], means[1][:, None], relative_error=0.02)
+    else:
+        # Black walls: light comes straight from the lamp, by closed form where nothing is in the way.
+        np.testing.assert_allclose(means[0], means[1], rtol=0.05)
 
 
 @pytest.mark.parametrize("estimator", ["base", "emitters"])
