@@ -11,14 +11,14 @@ from lelight.clock import Clock
 from lelight.errors import SceneError
 from lelight.estimate.base import BaseField, solve_base
 from lelight.estimate.direct import with_clear_share
-from lelight.mesh.nodes import NodeMesh, hide, node_mesh
+from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import default_edge, remesh
 from lelight.metrics.grid import grid_points
 from lelight.pilot import buried, lit_sides
 from lelight.plan import Decision, Plan, make_plan
 from lelight.receivers import Receivers, joined, space_receivers, surface_receivers
-from lelight.scene import FloatArray, IntArray, Scene, triangle_areas
+from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 from lelight.settings import Settings
 from lelight.tracing.world import World, build_world
 
@@ -63,10 +63,9 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
     world = build_world(scene, plan.channels)
     require_absorption(scene, world)
     lit = lit_sides(scene, world, labels=labels, seed=settings.seed, executor=executor)
-    mesh = node_mesh(surface, lit)
+    mesh, lit = _seen_nodes(world, surface, lit, settings, executor)
     if not len(mesh):
         raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
-    mesh = hide(mesh, buried(world, mesh, seed=settings.seed, executor=executor))
     clock.lap("pilot")
     grids = tuple(grid_points(plane) for plane in scene.planes)
     receivers = _receivers(scene, mesh, plan, grids)
@@ -81,6 +80,18 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
         base = solve_base(world, mesh, nodes, labels=labels, lit=lit, seed=settings.seed, executor=executor)
     clock.lap("base")
     return Stage(world, labels, mesh, receivers, grids, edge, plan, base)
+
+
+def _seen_nodes(
+    world: World, surface: SurfaceMesh, lit: BoolArray, settings: Settings, executor: Executor
+) -> tuple[NodeMesh, BoolArray]:
+    """Place nodes on the lit sides (n_patches, 2) and hide the buried; a side with no other is not lit."""
+    mesh = node_mesh(surface, lit)
+    hidden = buried(world, mesh, seed=settings.seed, executor=executor)
+    seen = np.zeros_like(lit)
+    seen[mesh.patches[~hidden], np.where(mesh.sides[~hidden] > 0, 0, 1)] = True
+    kept = seen[mesh.patches, np.where(mesh.sides > 0, 0, 1)]
+    return hide(node_mesh(surface, seen), hidden[kept]), seen
 
 
 def require_absorption(scene: Scene, world: World) -> None:

@@ -28,7 +28,7 @@ directions = st.tuples(st.floats(0.01, 1), st.floats(-math.pi, math.pi)).map(
 )
 
 
-def directional_albedo(exponent, cos_in, *, order=400):
+def directional_albedo(exponent, cos_in, *, order=150):
     """What a lobe of ks = 1 reflects of light from a direction: integral of lobe x cosine over the hemisphere."""
     nodes, weights = leggauss(order)
     # Heights about the mirror direction on which the lobe is spread evenly, t = cos^(n + 1).
