@@ -393,7 +393,7 @@ def test_extreme_rooms_give_the_same_light_by_both_estimators(walls):
     scene = lit(box((4.0, 3.0, 2.5)), tilted, materials=[walls, glow])
     means = []
     for estimator in ("base", "emitters"):
-        run = calculate(scene, Settings(edge=1.0, batches=10, target=0.1, estimator=estimator))
+        run = calculate(scene, Settings(edge=2.0, batches=10, target=0.1, estimator=estimator))
         for name, column in vars(run.field.values).items():
             assert np.all(np.isfinite(column)), name
         assert not run.field.mesh.hidden.any()
@@ -411,7 +411,8 @@ def test_the_whole_run_gives_the_same_field_on_one_thread_and_on_three(estimator
 
     fields = [
         calculate(
-            glossy_room(0.4, 0.3, 30.0), Settings(edge=0.9, batches=2, threads=threads, estimator=estimator)
+            glossy_room(0.4, 0.3, 30.0),
+            Settings(edge=1.5, batches=2, target=0.1, threads=threads, estimator=estimator),
         ).field
         for threads in (1, 3)
     ]
