@@ -31,7 +31,7 @@ FEW_WALKS = (2, 32)
 #: Likewise, from nodes for which those found no light: the far end of a corridor is not the inside of a cupboard.
 MANY_WALKS = (4, 96)
 #: Receivers asked at once.
-CHUNK = 2048
+CHUNK = 512
 
 
 def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int, executor: Executor) -> BoolArray:

@@ -31,7 +31,7 @@ class PresetValues:
 
 
 PRESETS: dict[Preset, PresetValues] = {
-    "draft": PresetValues(target=0.05, edge_scale=1.5, picture_size=600, picture_samples=1),
+    "draft": PresetValues(target=0.08, edge_scale=1.8, picture_size=500, picture_samples=1),
     "normal": PresetValues(target=0.02, edge_scale=1.0, picture_size=800, picture_samples=4),
     "fine": PresetValues(target=0.01, edge_scale=0.7, picture_size=1000, picture_samples=9),
 }

@@ -24,6 +24,7 @@ from lelight.pipelines.folder import (
 )
 from lelight.pipelines.record import run_record
 from lelight.settings import Settings
+from lelight.writing.views import write_overview
 
 #: Told the name of each stage as it begins, or what is odd about a run.
 Announce = Callable[[str], None]
@@ -68,10 +69,15 @@ def run_calc(
     written = perf_counter()
     withdraw_record(out)
     stems = file_stems(run)
-    warnings = [*scene.warnings, *_missing_parts(), *write_geometry(out, run, stems)]
-    sights = _sights(run)
-    write_sights(out, sights, stems["observers"])
-    write_tables(out, figures(run, sights, stems))
+    write_geometry(out, run, stems)
+    with ThreadPoolExecutor(max_workers=1) as aside:
+        # Drawn by a process of its own, while this one looks through the observers' eyes.
+        overview = aside.submit(write_overview, out / "overview.png", out / "field.vtp")
+        sights = _sights(run)
+        write_sights(out, sights, stems["observers"])
+        write_tables(out, figures(run, sights, stems))
+    undrawn = overview.result()
+    warnings = [*scene.warnings, *_missing_parts(), *([undrawn] if undrawn else [])]
     now = perf_counter()
     seconds = {"read": read - started, "write": now - written, "total": now - started}
     scene_file = Path(os.path.relpath(scene_path, out)).as_posix()

@@ -19,7 +19,7 @@ from lelight.writing.files import make_folder, safe_names, whole, write_text
 from lelight.writing.paraview import write_paraview_script
 from lelight.writing.pictures import write_exr
 from lelight.writing.radiancehdr import write_hdr
-from lelight.writing.views import robust_range, write_overview
+from lelight.writing.views import robust_range
 from lelight.writing.vtkfiles import write_index, write_luminaires, write_observers, write_plane
 
 
@@ -56,8 +56,8 @@ def file_stems(run: Calculation) -> dict[str, dict[str, str]]:
     }
 
 
-def write_geometry(out: Path, run: Calculation, stems: dict[str, dict[str, str]]) -> list[str]:
-    """Write field, planes, luminaires, observers, the index and the ParaView script; returns warnings."""
+def write_geometry(out: Path, run: Calculation, stems: dict[str, dict[str, str]]) -> None:
+    """Write field, planes, luminaires, observers, the index and the ParaView script."""
     field_file = out / "field.vtp"
     run.field.save(field_file, header=_header(run))
     blocks: dict[str, dict[str, Path]] = {"field": {"field": field_file}}
@@ -83,8 +83,6 @@ def write_geometry(out: Path, run: Calculation, stems: dict[str, dict[str, str]]
         luminaires=out / "luminaires.vtp" if run.scene.luminaires else None,
         observers=out / "observers.vtp" if run.scene.observers else None,
     )
-    warning = write_overview(out / "overview.png", field_file)
-    return [warning] if warning else []
 
 
 def write_sights(out: Path, sights: tuple[Sight, ...], stems: Mapping[str, str]) -> None:

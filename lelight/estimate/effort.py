@@ -25,7 +25,7 @@ from lelight.scene import FloatArray, IntArray
 from lelight.tracing.world import World
 
 #: Trial batches, and the samples of each part in one, as powers of two.
-TRIALS = 8
+TRIALS = 6
 TRIAL = (4, 2, 3)
 #: Batches that the chosen effort should need; more than the least, so that the stop is close to the target.
 WANTED_BATCHES = 12
@@ -39,7 +39,7 @@ CAUTION = 0.5
 #: Bounds of the split that are tried, against that of 1024 chains, and receivers they are tried on.
 BOUNDS_ON_BASE = (0.1, 0.8, 6.4)
 BOUNDS_OF_EMITTERS = (0.8, 6.4)
-BOUND_RECEIVERS = 384
+BOUND_RECEIVERS = 256
 #: Least samples of the parts in a batch, and most, as powers of two.
 LEAST, MOST = (5, 2, 2), 16
 #: Seeds of trials are apart from those of batches.
