@@ -22,7 +22,7 @@ from lelight.settings import Settings
 
 SCENES = Path(__file__).parents[1] / "scenes"
 EDGES = {"office": 0.8, "corridor": 0.8, "cornell": 0.15}
-BATCHES = 24
+BATCHES = 36
 #: Independent runs of lelight, whose spread is the error of what no run reports an error for.
 RUNS = 8
 #: Radiance is compared where the illuminance is at least this share of the median.
@@ -75,7 +75,7 @@ def scene_of(name: str) -> Scene:
 
 @cache
 def lit(name: str, *, seed: int = 0, batches: int = BATCHES) -> Calculation:
-    settings = Settings(edge=EDGES[name], preset="draft", batches=batches, seed=seed)
+    settings = Settings(edge=EDGES[name], target=0.05, batches=batches, seed=seed)
     return calculate(scene_of(name), settings)
 
 

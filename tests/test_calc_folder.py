@@ -22,7 +22,7 @@ from commandline import NASTY, QUICK, lelight
 
 from lelight.calculation import calculate
 from lelight.reading.loading import load
-from lelight.settings import Settings
+from lelight.settings import PRESETS, Settings
 
 #: The observer's name, fit to be a file's.
 STEM = "a_b_ _üλ_ _x_"
@@ -213,8 +213,8 @@ def test_record_has_the_promised_keys(record):
         *("error", "bias", "warnings", "versions"),
     }
     assert record["settings"]["edge"] == 0.5 and record["settings"]["preset"] == "draft"
-    assert record["error"]["target"] == 0.05
-    assert record["error"]["met"] is True and record["error"]["rms"] <= 0.05
+    assert record["error"]["target"] == PRESETS["draft"].target
+    assert record["error"]["met"] is True and record["error"]["rms"] <= PRESETS["draft"].target
     assert record["rays"] > record["nodes"] > 0
     assert record["scene_file"] == "../room.obj"
 
