@@ -5,17 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from lelight.reports.document import write_document
 from lelight.reports.figures.fisheye import glare_picture
 from lelight.reports.figures.scales import LogScale
-from lelight.reports.folder import ResultFolder, Subject, open_folder
+from lelight.reports.folder import ResultFolder, Subject
 from lelight.reports.method import method_figures, method_page
 from lelight.reports.pictures import LuminancePicture
 from lelight.reports.reading import reading_named
+from lelight.reports.report import Figures, write_report
 from lelight.reports.rounding import MISSING
 from lelight.reports.sights import common_scale, picture_statistics, read_pictures
 from lelight.reports.sources import source_rows, sources_of
-from lelight.reports.summary import ERROR_STATEMENT, cover, result_table, verdict_sentence
+from lelight.reports.summary import ERROR_STATEMENT, result_table, verdict_sentence
 from lelight.reports.viewpoints import Layout, observer_place, read_layout
 from lelight.reports.vocabulary import GLOSSARY
 
@@ -30,8 +30,6 @@ SCOPE = (
     "position table (T/R up to 3, H/R from 0 to 1.9) are listed but do not count."
 )
 NO_OBSERVERS = "The scene has no observer: add [[observers]] to the scene file and calculate again."
-
-Figures = dict[str, bytes]
 
 
 def write_glare_report(
@@ -50,21 +48,7 @@ def write_glare_report(
     OutputError
         Something is missing in the folder; the line says which command makes it.
     """
-    folder = open_folder(out)
-    content, figures = _content(folder)
-    project = title or str(folder.run.get("scene") or out.name)
-    return write_document(
-        out / "glare.pdf",
-        template="glare.typ",
-        content={
-            **content,
-            "cover": cover(folder, title=project, author=author),
-            "kind": TITLE,
-            "paper": paper,
-        },
-        figures=figures,
-        date=folder.run.get("date"),
-    )
+    return write_report(out, "glare", _content, kind=TITLE, title=title, author=author, paper=paper)
 
 
 def _content(folder: ResultFolder) -> tuple[dict[str, Any], Figures]:

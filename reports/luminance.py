@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from lelight.reports.document import write_document
 from lelight.reports.figures.distribution import cumulative_distribution
 from lelight.reports.figures.fisheye import luminance_picture
 from lelight.reports.figures.planechart import (
@@ -16,11 +15,12 @@ from lelight.reports.figures.planechart import (
     number_size,
     value_chart,
 )
-from lelight.reports.folder import ResultFolder, Subject, open_folder
+from lelight.reports.folder import ResultFolder, Subject
 from lelight.reports.method import method_figures, method_page
 from lelight.reports.planegrid import PlaneGrid
+from lelight.reports.report import Figures, write_report
 from lelight.reports.sights import common_scale, picture_statistics, read_pictures
-from lelight.reports.summary import ERROR_STATEMENT, cover, result_table, summary_table, verdict_sentence
+from lelight.reports.summary import ERROR_STATEMENT, result_table, summary_table, verdict_sentence
 from lelight.reports.surfaces import luminaire_rows, material_rows
 from lelight.reports.viewpoints import observer_place, plane_place, read_grids, read_layout
 from lelight.reports.vocabulary import GLOSSARY
@@ -29,8 +29,6 @@ TITLE = "Luminance report"
 PLAN = "plan.svg"
 #: Millimetres that a chart of a plane and the plan of the scene may take.
 CHART_WIDTH, CHART_HEIGHT, PLAN_HEIGHT = 166.0, 84.0, 120.0
-
-Figures = dict[str, bytes]
 
 
 def write_luminance_report(
@@ -49,21 +47,7 @@ def write_luminance_report(
     OutputError
         Something is missing in the folder; the line says which command makes it.
     """
-    folder = open_folder(out)
-    content, figures = _content(folder)
-    project = title or str(folder.run.get("scene") or out.name)
-    return write_document(
-        out / "luminance.pdf",
-        template="luminance.typ",
-        content={
-            **content,
-            "cover": cover(folder, title=project, author=author),
-            "kind": TITLE,
-            "paper": paper,
-        },
-        figures=figures,
-        date=folder.run.get("date"),
-    )
+    return write_report(out, "luminance", _content, kind=TITLE, title=title, author=author, paper=paper)
 
 
 def _content(folder: ResultFolder) -> tuple[dict[str, Any], Figures]:

@@ -69,9 +69,9 @@ def read_plane_grid(path: Path, plane: Subject) -> PlaneGrid:
 
 
 def _shape(path: Path, plane: Subject) -> tuple[int, int]:
-    grid = plane.entry.get("grid")
+    grid = plane.entry.get("grid") or {}
     try:
-        rows, columns = int(grid["rows"]), int(grid["columns"])  # type: ignore[index]  # None is caught
+        rows, columns = int(grid["rows"]), int(grid["columns"])
     except (TypeError, KeyError, ValueError) as error:
         raise OutputError(
             f"{path.parents[1] / 'metrics.json'}: planes.{plane.name}.grid is missing; {CALC} anew"

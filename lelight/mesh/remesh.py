@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -147,7 +148,7 @@ def _isotropic_inside(vertices: FloatArray, triangles: IntArray, edge: float) ->
 def remesher_missing() -> str | None:
     """Say in one line why patches are only bisected here, if pymeshlab cannot be loaded (it links OpenGL)."""
     try:
-        import pymeshlab  # noqa: F401 - only whether it loads is asked
+        import_module("pymeshlab")
     except ImportError as error:
         return (
             f"pymeshlab does not load ({error}); patches are bisected instead: install Debian package libgl1"
