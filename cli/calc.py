@@ -48,7 +48,8 @@ def summary(folder: Path, run: Calculation) -> list[str]:
     seconds = sum(run.seconds.values())
     lines = [
         f"unit {run.scene.unit}, {run.scene.up} up; {len(run.field.mesh)} nodes, "
-        f"{run.replicates.count} batches, {run.replicates.rays / 1e6:.1f} million rays, {seconds:.1f} s",
+        f"{run.replicates.count} replicates doubled {run.replicates.doublings} times, "
+        f"{run.replicates.rays / 1e6:.1f} million rays, {seconds:.1f} s",
         f"relative standard error {run.error.rms:.2%} (95 % of the area below {run.error.p95:.2%}, "
         f"99 % below {run.error.p99:.2%})",
     ]

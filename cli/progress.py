@@ -37,7 +37,7 @@ def _live() -> Iterator[Watch]:
 
 
 def _log() -> Callable[[Standing], None]:
-    """Lines for a file or a pipe: one at the first batch, when the scene has proved sound, then seldom."""
+    """Lines for a file or a pipe: one at the first replicate, when the scene has proved sound, then seldom."""
     due = 0.0
 
     def log(standing: Standing) -> None:
@@ -51,7 +51,7 @@ def _log() -> Callable[[Standing], None]:
 
 def _line(standing: Standing) -> str:
     """Say how far the estimate is and how long it may take."""
-    text = f"estimating: batch {standing.batches}, {standing.seconds:.0f} s"
+    text = f"estimating: {standing.replicates} replicates doubled {standing.doublings} times, {standing.seconds:.0f} s"
     if standing.error is None:
         return text
     reached = f"{text}, error {standing.error.rms:.2%} of {standing.target:.2%}"

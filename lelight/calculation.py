@@ -10,9 +10,10 @@ import numpy as np
 
 from lelight.clock import Clock
 from lelight.estimate.angular import AngularDetail, angular_detail
-from lelight.estimate.batch import Effort, estimate_batch
+from lelight.estimate.batch import Batch, Effort, estimate_batch
 from lelight.estimate.effort import choose_effort
-from lelight.estimate.replicates import LEAST_BATCHES, ErrorReached, Replicates, error_reached, visible_areas
+from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, visible_areas
+from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
 from lelight.field import RadianceField
 from lelight.mesh.nodes import NodeMesh
 from lelight.outcome import found_at_eyes, found_field, found_on_planes
@@ -27,6 +28,10 @@ from lelight.settings import Settings
 #: Rays a second that a clock is taken to stand for, whatever the machine: the size of batches, and with it the
 #: result, depends on the time asked for only.
 NOMINAL_RAY_RATE = 1e6
+#: Batches that shall at least fit into the time asked for.
+LEAST_BATCHES_IN_TIME = 16
+#: Batches that an effort is shared out over where a run makes exactly so many replicates without doubling.
+BATCHES_WITHOUT_DOUBLING = 12
 
 #: What follows a run: called after every batch.
 Progress = Callable[["Standing"], None]
@@ -34,17 +39,20 @@ Progress = Callable[["Standing"], None]
 
 @dataclass(frozen=True)
 class Standing:
-    """Where a run stands after a batch.
+    """Where a run stands.
 
     Attributes
     ----------
-    batches : int done
+    replicates, doublings : int; independent scrambles, and how often each has doubled its sequences
+    rays : int so far
     seconds : float since the run began
-    error : reached so far, None before there are two batches
+    error : reached so far, None before there are two replicates
     target : float
     """
 
-    batches: int
+    replicates: int
+    doublings: int
+    rays: int
     seconds: float
     error: ErrorReached | None
     target: float
@@ -57,7 +65,7 @@ class Calculation:
     Attributes
     ----------
     seconds : by stage
-    convergence : one row a batch
+    convergence : one row a replicate added or doubling made
     """
 
     scene: Scene
@@ -117,25 +125,32 @@ def calculate(scene: Scene, settings: Settings, *, progress: Progress = lambda _
 def _estimate(
     scene: Scene, settings: Settings, stage: Stage, executor: Executor, *, progress: Progress, clock: Clock
 ) -> Calculation:
-    """Add batches until the target, the time or the number of them is reached."""
+    """Add replicates and double their sequences until the target, the time or their number is reached."""
     detail = angular_detail(stage.plan, stage.world.reflectances, directions=settings.directions)
     effort, receivers = _effort(settings, stage, executor)
     clock.lap("effort")
-    replicates = Replicates(first_in_space=len(stage.mesh))
-    convergence: list[Standing] = []
-    while not _finished(settings, convergence):
-        batch = estimate_batch(
+    began = clock.elapsed
+
+    def batch(replicate: int, doubling: int) -> Batch:
+        return estimate_batch(
             stage.world,
             receivers,
             effort=effort,
-            seed=(settings.seed, replicates.count),
+            seed=(settings.seed, replicate),
+            doubling=doubling,
             base=stage.base,
             detail=detail,
             executor=executor,
         )
-        replicates.add(batch)
-        error = _error(stage.mesh, replicates)
-        convergence.append(Standing(replicates.count, clock.elapsed, error, settings.target_error))
+
+    replicates = Replicates(first_in_space=len(stage.mesh))
+    convergence: list[Standing] = []
+    while (step := _next_step(settings, convergence, began)) != "stop":
+        if step == "append":
+            replicates.append(batch(replicates.count, k) for k in range(replicates.doublings + 1))
+        else:
+            replicates.double(batch(r, replicates.doublings + 1) for r in range(replicates.count))
+        convergence.append(_standing(settings, stage.mesh, replicates, clock.elapsed))
         progress(convergence[-1])
     clock.lap("estimate")
     return _found(scene, settings, stage, effort, detail, replicates, tuple(convergence), clock)
@@ -145,38 +160,48 @@ def _effort(settings: Settings, stage: Stage, executor: Executor) -> tuple[Effor
     """Try small batches to find what a full one should do, and how receivers share its samples."""
     areas = np.zeros(len(stage.receivers))
     areas[: len(stage.mesh)] = visible_areas(stage.mesh.areas, stage.mesh.hidden)
-    # Against a clock smaller batches stop closer to it; no more than a dozen shall fill it.
-    aim = settings.target_error * (2.0 if settings.time is not None else 1.0)
-    most_rays = NOMINAL_RAY_RATE * settings.time / 12 if settings.time is not None else np.inf
+    most_rays = (
+        NOMINAL_RAY_RATE * settings.time / LEAST_BATCHES_IN_TIME if settings.time is not None else np.inf
+    )
     return choose_effort(
         stage.world,
         stage.receivers,
         base=stage.base,
         areas=areas,
-        target=aim,
+        target=settings.target_error,
         most_rays=most_rays,
+        batches=WANTED_BATCHES if settings.batches is None else BATCHES_WITHOUT_DOUBLING,
         seed=settings.seed,
         executor=executor,
     )
 
 
-def _finished(settings: Settings, convergence: list[Standing]) -> bool:
-    """Say whether enough batches are in."""
-    done = len(convergence)
-    if settings.batches is not None:
-        return done >= settings.batches
-    if done < 2:
-        return False
+def _next_step(settings: Settings, convergence: list[Standing], began: float) -> Step:
+    """Decide how to go on from where the run stands; the estimate began after ``began`` seconds."""
+    if not convergence:
+        return "append"
     last = convergence[-1]
-    if settings.time is not None and last.seconds * (done + 1) / done > settings.time:
-        return True
-    if settings.time is not None and settings.target is None:
-        return False
-    return done >= LEAST_BATCHES and last.error is not None and last.error.rms <= last.target
+    missing, room = np.inf, np.inf
+    if last.error is not None and (settings.target is not None or settings.time is None):
+        missing = last.error.in_targets(last.target) ** 2 - 1.0
+    if settings.time is not None:
+        room = (settings.time - last.seconds) / max(last.seconds - began, 1e-9)
+    return next_step(last.replicates, exactly=settings.batches, missing=missing, room=room)
+
+
+def _standing(settings: Settings, mesh: NodeMesh, replicates: Replicates, seconds: float) -> Standing:
+    return Standing(
+        replicates=replicates.count,
+        doublings=replicates.doublings,
+        rays=replicates.rays,
+        seconds=seconds,
+        error=_error(mesh, replicates),
+        target=settings.target_error,
+    )
 
 
 def _error(mesh: NodeMesh, replicates: Replicates) -> ErrorReached | None:
-    """Error so far over the nodes that are seen; None before there are two batches."""
+    """Error so far over the nodes that are seen; None before there are two replicates."""
     if replicates.count < 2:
         return None
     seen = ~mesh.hidden
@@ -210,7 +235,7 @@ def _found(
         observers=found_at_eyes(scene, stage, replicates),
         replicates=replicates,
         error=error,
-        target_met=error.rms <= settings.target_error,
+        target_met=error.in_targets(settings.target_error) <= 1.0,
         edge=stage.edge,
         seconds=clock.seconds,
         convergence=convergence,

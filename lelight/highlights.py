@@ -14,7 +14,7 @@ import numpy as np
 from lelight.estimate.paths import NUMBERS, Paths, rotated_numbers, step
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.chains import hash_of
-from lelight.tracing.sampling import sobol
+from lelight.tracing.sampling import Stretch, sobol
 from lelight.tracing.world import World
 
 
@@ -48,7 +48,7 @@ def highlights(
     radiance : (k, C) float, cd/m²
     paths : the surfaces that the lobes' own directions met, numbered by point, with throughput for the mean
     """
-    table = sobol(NUMBERS, log2_count=log2_samples, seed=(int(hash_of((4,)) & np.uint64(0xFFFF)),))
+    table = sobol(NUMBERS, Stretch.of(log2_samples), seed=(int(hash_of((4,)) & np.uint64(0xFFFF)),))
     number = np.repeat(np.arange(len(points)), len(table))
     numbers = np.empty((len(number), NUMBERS))
     rotated_numbers(table, hash_of((5,)), identity, numbers)

@@ -1,4 +1,4 @@
-"""What the batches found, as a field, on planes and at eyes."""
+"""What the replicates found, as a field, on planes and at eyes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from lelight.scene import FloatArray, Scene
 def found_field(
     scene: Scene, stage: Stage, replicates: Replicates, detail: AngularDetail | None
 ) -> RadianceField:
-    """Means over the batches as a field."""
+    """Means over the replicates as a field."""
     nodes = slice(0, len(stage.mesh))
     direct = replicates.direct[nodes] / replicates.count
     total = direct + replicates.indirect[nodes] / replicates.count

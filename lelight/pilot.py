@@ -19,7 +19,7 @@ from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers, space_receivers, surface_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 from lelight.tracing.chains import emission_chains, hash_of
-from lelight.tracing.sampling import cosine_directions
+from lelight.tracing.sampling import Stretch, cosine_directions
 from lelight.tracing.world import World
 
 #: Chains of the pilot walk, as power of two.
@@ -42,7 +42,7 @@ def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int, execut
     labels : (n_t,) int, patch of each traced triangle
     """
     lit = np.zeros((int(labels.max()) + 1, 2), dtype=np.bool_)
-    vertices = emission_chains(world, log2_chains=LOG2_PILOT_CHAINS, seed=(seed, 0))
+    vertices = emission_chains(world, Stretch.of(LOG2_PILOT_CHAINS), seed=(seed, 0))
     lit[labels[vertices.triangles], np.where(vertices.front, 0, 1)] = True
     patches, sides = np.nonzero(~lit)
     if len(patches):
@@ -81,7 +81,7 @@ def reached_by_light(
     """
     log2_walks, longest = walks
     reached = np.zeros(len(receivers), dtype=np.bool_)
-    origins, directions, owner = hemisphere_rays(world, receivers, log2_samples=log2_walks, seed=seed)
+    origins, directions, owner = hemisphere_rays(world, receivers, samples=Stretch.of(log2_walks), seed=seed)
     reached |= _sees_emitter(world, receivers, seed)
     identity = receivers.identity[owner] * 2**log2_walks + np.arange(len(owner)) % 2**log2_walks
     walkers, _ = meet(world, np.arange(len(owner)), origins, directions, np.ones((len(owner), 1)))
@@ -106,7 +106,7 @@ def _onward(world: World, walkers: Paths, numbers: FloatArray) -> Paths:
 
 def _sees_emitter(world: World, receivers: Receivers, seed: tuple[int, ...]) -> BoolArray:
     """Say from which surface receivers (r,) a drawn point of an emitter is in sight."""
-    moments, _ = direct_light(world, receivers, log2_samples=0, seed=seed)
+    moments, _ = direct_light(world, receivers, samples=Stretch.of(0), seed=seed)
     return np.asarray(moments[:, ILLUMINANCE].max(axis=1) > 0.0)
 
 

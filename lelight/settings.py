@@ -50,7 +50,7 @@ class Settings:
     directions : int or None; directions of the hemisphere grid, only for method ``grid``
     seed : int, of every random number
     threads : int
-    batches : int or None; exactly so many batches instead of a target
+    batches : int or None; exactly so many replicates, without doubling, instead of a target
     estimator : ``base`` gathers a first field and lets chains carry what it lacks; ``emitters`` lets chains
         from the emitters carry everything. Both are unbiased, their speed differs.
     """

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from lelight.calculation import Calculation
 from lelight.channels import luminance_weighted
 from lelight.metrics.table import metrics, observer_figures, plane_figures, room_figures
@@ -56,5 +54,5 @@ def _room(run: Calculation) -> dict[str, Any]:
         field.illuminance,
         luminance_weighted(field.reflected_exitance),
         field.mesh.hidden,
-        np.array(run.replicates.at_nodes),
+        run.replicates.at_nodes,
     )

@@ -42,9 +42,10 @@ def run_record(
         "seed": run.settings.seed,
         "seconds": _seconds(run, seconds),
         "rays": totals.rays,
-        "chains": totals.count * 2**run.effort.log2_chains,
+        "chains": totals.count * 2 ** (run.effort.log2_chains + totals.doublings),
         "vertices": totals.vertices,
-        "batches": totals.count,
+        "replicates": totals.count,
+        "doublings": totals.doublings,
         "nodes": len(run.field.mesh),
         "hidden_nodes": int(np.count_nonzero(run.field.mesh.hidden)),
         "error": _error(run),
@@ -101,9 +102,11 @@ def _finite(number: float) -> float | None:
 
 def _step(standing: Standing) -> dict[str, Any]:
     return {
-        "batches": standing.batches,
+        "replicates": standing.replicates,
+        "doublings": standing.doublings,
+        "rays": standing.rays,
         "seconds": round(standing.seconds, 3),
-        "rms": standing.error.rms if standing.error else None,
+        **(vars(standing.error) if standing.error else {"rms": None, "p95": None, "p99": None}),
     }
 
 
@@ -123,7 +126,7 @@ def _materials(run: Calculation) -> list[dict[str, Any]]:
 
 
 def bias_statements(run: Calculation) -> list[str]:
-    """Say in words what the spread of batches cannot show."""
+    """Say in words what the spread of replicates cannot show."""
     statements = [
         "Depth: chains and paths end by Russian roulette only; nothing is cut off.",
         "Mesh: the estimate holds at the nodes; between them values are linear "

@@ -13,7 +13,13 @@ from lelight.reports.rounding import MISSING, as_given, count, percent, signific
 from lelight.reports.vocabulary import SETTINGS, STAGES, words
 
 CONVERGENCE = "convergence.svg"
-COUNTS = (("nodes", "Nodes"), ("chains", "Chains"), ("batches", "Independent batches"), ("rays", "Rays"))
+COUNTS = (
+    ("nodes", "Nodes"),
+    ("chains", "Chains"),
+    ("replicates", "Independent replicates"),
+    ("doublings", "Doublings of their sequences"),
+    ("rays", "Rays"),
+)
 #: Levels of the error statement in ``run.json``.
 ERRORS = (
     ("rms", "Relative standard error, root mean square over the nodes by area"),

@@ -20,7 +20,7 @@ from lelight.tracing.chains import (
     joined,
     walk_on,
 )
-from lelight.tracing.sampling import mirrored
+from lelight.tracing.sampling import Stretch, mirrored
 from lelight.tracing.world import build_world
 
 EXACT = 1e-9
@@ -30,7 +30,7 @@ CHAINS = 20_000
 
 def test_flux_of_the_first_bounces_is_what_the_walls_leave_of_it():
     """In a closed grey box of 6 m² and 1 lm/m² the k-th bounce brings 6 rho^k lm; no roulette in the first two."""
-    vertices = emission_chains(build_world(furnace(0.6), 1), log2_chains=8, seed=(1,))
+    vertices = emission_chains(build_world(furnace(0.6), 1), Stretch.of(8), seed=(1,))
     for bounce in range(3):
         flux = vertices.flux[bounce * 256 : (bounce + 1) * 256]
         np.testing.assert_allclose(flux, 6 * 0.6**bounce / 256, rtol=EXACT)
@@ -41,7 +41,7 @@ def test_flux_of_all_bounces_is_the_geometric_series(reflectance):
     """Sum over bounces of 6 rho^k = 6 / (1 - rho) lm arrive: the roulette takes nothing away on average."""
     world = build_world(furnace(reflectance), 1)
     arriving = np.array(
-        [emission_chains(world, log2_chains=9, seed=(k,)).flux.sum(axis=0) for k in range(REPLICATES)]
+        [emission_chains(world, Stretch.of(9), seed=(k,)).flux.sum(axis=0) for k in range(REPLICATES)]
     )
     assert agrees(arriving, 6 / (1 - reflectance), relative_error=0.01)
     assert not agrees(arriving, 6 / (1 - reflectance - 0.02), relative_error=0.01)
@@ -53,13 +53,13 @@ def test_each_channel_keeps_its_own_reflectance():
     colours = np.array([0.6, 0.3, 0.05])
     world = build_world(replace(scene, materials=(replace(scene.materials[0], diffuse=colours),)), 3)
     arriving = np.array(
-        [emission_chains(world, log2_chains=9, seed=(k,)).flux.sum(axis=0) for k in range(REPLICATES)]
+        [emission_chains(world, Stretch.of(9), seed=(k,)).flux.sum(axis=0) for k in range(REPLICATES)]
     )
     assert agrees(arriving, 6 / (1 - colours), relative_error=0.01)
 
 
 def test_vertices_lie_on_walls_and_face_the_light():
-    vertices = emission_chains(build_world(glossy_room(0.5, 0.2, 30.0), 1), log2_chains=8, seed=(3,))
+    vertices = emission_chains(build_world(glossy_room(0.5, 0.2, 30.0), 1), Stretch.of(8), seed=(3,))
     assert np.all(np.einsum("kx,kx->k", vertices.normals, vertices.incoming) > 0)
     np.testing.assert_allclose(np.linalg.norm(vertices.incoming, axis=1), 1.0, rtol=1e-6)
     in_room = np.minimum(vertices.points, np.array([4.0, 3.0, 2.5]) - vertices.points).min(axis=1)
@@ -150,7 +150,7 @@ def test_a_vertex_reflects_only_with_the_lobes_that_it_is_given():
 
 def test_black_walls_end_every_chain_at_its_first_vertex():
     scene = lit(box(), materials=[grey("walls", 0.0, luminance=1.0)])
-    assert len(emission_chains(build_world(scene, 1), log2_chains=6, seed=(1,))) == 64
+    assert len(emission_chains(build_world(scene, 1), Stretch.of(6), seed=(1,))) == 64
 
 
 def test_negative_flux_stays_negative():
@@ -166,7 +166,7 @@ def test_negative_flux_stays_negative():
 def test_chains_depend_on_their_seed_and_on_nothing_else():
     world = build_world(furnace(0.6), 1)
     one, again, other = (
-        emission_chains(world, log2_chains=6, seed=seed) for seed in ((1, 2), (1, 2), (1, 3))
+        emission_chains(world, Stretch.of(6), seed=seed) for seed in ((1, 2), (1, 2), (1, 3))
     )
     for name, column in vars(one).items():
         assert np.array_equal(column, getattr(again, name)), name
@@ -174,7 +174,7 @@ def test_chains_depend_on_their_seed_and_on_nothing_else():
 
 
 def test_vertices_can_be_selected_copied_and_joined():
-    vertices = emission_chains(build_world(furnace(0.6), 1), log2_chains=4, seed=(1,))
+    vertices = emission_chains(build_world(furnace(0.6), 1), Stretch.of(4), seed=(1,))
     halves = joined([vertices[np.arange(8)], vertices[np.arange(8, len(vertices))]])
     for name, column in vars(vertices).items():
         assert np.array_equal(column, getattr(halves, name)), name

@@ -347,7 +347,7 @@ def test_ctrl_c_ends_a_run_in_time_and_in_one_line(tmp_path):
     scene = write_room(tmp_path, toml="[calc]\nbatches = 1000000\n")
     running = process("calc", scene, *QUICK)
     assert running.stderr is not None
-    assert running.stderr.readline().startswith("lelight: estimating: batch 1, ")
+    assert running.stderr.readline().startswith("lelight: estimating: 1 replicates doubled 0 times, ")
     status, stdout, stderr, seconds = interrupted(running)
     assert (status, stdout, stderr) == (130, "", "lelight: interrupted\n")
     assert seconds < 2.0

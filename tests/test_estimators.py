@@ -41,6 +41,7 @@ from lelight.receivers import (
 )
 from lelight.scene import Scene
 from lelight.settings import Settings
+from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import build_world
 
 RHO = 0.6
@@ -265,7 +266,7 @@ def test_direct_light_in_the_open_is_its_closed_form():
     world = build_world(scene, 1)
     receivers = with_clear_share(world, room_receivers(), seed=(1, 3))
     assert np.all(receivers.clear_share == 1.0)
-    moments, rays = direct_light(world, receivers, log2_samples=0, seed=(1,))
+    moments, rays = direct_light(world, receivers, samples=Stretch.of(0), seed=(1,))
     ray = np.array([2.0, 1.5, 2.0]) - np.array(ROOM_PLACES)
     distance = np.linalg.norm(ray, axis=1)
     expected = 80.0 * np.einsum("kx,kx->k", ray, receivers.normals) / distance**3
@@ -289,7 +290,8 @@ def test_direct_light_half_behind_a_screen_does_not_depend_on_the_share_taken_in
     for share in (0.0, 0.7):
         shared = replace(receivers, clear_share=np.full(2, share))
         found = [
-            direct_light(world, shared, log2_samples=8, seed=(int(10 * share), k))[0] for k in range(BATCHES)
+            direct_light(world, shared, samples=Stretch.of(8), seed=(int(10 * share), k))[0]
+            for k in range(BATCHES)
         ]
         light.append(np.array(found)[:, :, ILLUMINANCE, 0])
     assert same_mean(light[0], light[1], relative_error=0.02)
@@ -313,6 +315,30 @@ def one_batch(world, receivers, *, base, workers=2, seed=(3, 4)):
         return estimate_batch(
             world, receivers, effort=effort, seed=seed, base=base, detail=detail, executor=executor
         )
+
+
+def test_a_doubled_sequence_is_a_longer_one():
+    """Samples from the receivers' side are the same points, one by one; chains differ in their later numbers."""
+    world, receivers = nodes_of_room()
+    short = Effort(log2_chains=4, log2_direct=3, log2_near=3, bound=0.0)
+    longer = replace(short, log2_direct=4, log2_near=4)
+    found = [
+        estimate_batch(
+            world,
+            receivers,
+            effort=effort,
+            seed=(3, 4),
+            doubling=doubling,
+            base=None,
+            detail=None,
+            executor=THREADS,
+        )
+        for effort, doubling in ((short, 0), (short, 1), (longer, 0))
+    ]
+    mean = found[0].halfway_to(found[1])
+    np.testing.assert_allclose(mean.direct, found[2].direct, rtol=EXACT, atol=1e-9)
+    np.testing.assert_allclose(mean.indirect, found[2].indirect, rtol=EXACT, atol=1e-9)
+    assert not np.allclose(found[0].indirect, found[1].indirect)
 
 
 @pytest.mark.parametrize("on_base", [False, True])
@@ -353,6 +379,7 @@ def effort_for(target, *, most_rays=np.inf):
         areas=areas,
         target=target,
         most_rays=most_rays,
+        batches=12,
         seed=1,
         executor=THREADS,
     )

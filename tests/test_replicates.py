@@ -1,4 +1,4 @@
-"""Batches to means and errors, on made-up numbers."""
+"""Replicates to means and errors, and when a run stops, on made-up numbers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lelight.estimate.batch import Batch
-from lelight.estimate.replicates import Replicates, error_reached, visible_areas
+from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, visible_areas
+from lelight.estimate.schedule import next_step
 from lelight.receivers import ILLUMINANCE, MOMENTS
 
 EXACT = 1e-9
@@ -24,12 +25,12 @@ def batch(direct, indirect, *, angular=1.0):
     return Batch(*moments, np.full((1, 4, 1), angular), vertices=3, rays=10, seconds={"chains": 0.5})
 
 
-def test_totals_means_and_errors_are_those_of_all_batches():
-    """Three receivers, two batches; the standard error of two values a, b is |a - b| / 2."""
+def test_totals_means_and_errors_are_those_of_all_replicates():
+    """Three receivers, two replicates; the standard error of two values a, b is |a - b| / 2."""
     replicates = Replicates(first_in_space=2)
-    replicates.add(batch([1.0, 2.0, 3.0], [4.0, 5.0, 6.0], angular=1.0))
+    replicates.append([batch([1.0, 2.0, 3.0], [4.0, 5.0, 6.0], angular=1.0)])
     assert np.all(np.isinf(replicates.std_error))
-    replicates.add(batch([3.0, 2.0, 1.0], [5.0, 5.0, 4.0], angular=2.0))
+    replicates.append([batch([3.0, 2.0, 1.0], [5.0, 5.0, 4.0], angular=2.0)])
     assert np.array_equal(replicates.direct[:, ILLUMINANCE, 0], [4.0, 4.0, 4.0])
     assert np.array_equal(replicates.indirect[:, ILLUMINANCE, 0], [9.0, 10.0, 10.0])
     assert np.all(replicates.angular == 3.0)
@@ -39,18 +40,75 @@ def test_totals_means_and_errors_are_those_of_all_batches():
     assert replicates.seconds == {"chains": 1.0}
     assert np.array_equal(np.array(replicates.in_space)[:, :, ILLUMINANCE], [[9.0], [5.0]])
     assert np.array_equal(np.array(replicates.indirect_in_space)[:, :, ILLUMINANCE], [[6.0], [4.0]])
+    assert np.array_equal(replicates.at_nodes, [[5.0, 7.0], [8.0, 7.0]])
+
+
+def stretch_of(replicate, doubling):
+    """What a replicate finds in its start (0) or one of its doublings, as made-up numbers."""
+    light = np.random.default_rng((replicate, doubling)).uniform(1.0, 2.0, size=(2, 3))
+    return batch(light[0], light[1], angular=light[0, 0])
+
+
+def test_every_point_of_a_doubled_sequence_has_the_same_weight():
+    """Start, first and second doubling hold 1, 1 and 2 parts of the points."""
+    replicates = Replicates(first_in_space=3)
+    for r in range(2):
+        replicates.append([stretch_of(r, 0)])
+    replicates.double(stretch_of(r, 1) for r in range(2))
+    replicates.double(stretch_of(r, 2) for r in range(2))
+    replicates.append(stretch_of(2, k) for k in range(3))
+    assert (replicates.count, replicates.doublings) == (3, 2)
+    means = [
+        sum(share * stretch_of(r, k).direct for k, share in enumerate((0.25, 0.25, 0.5))) for r in range(3)
+    ]
+    np.testing.assert_allclose(replicates.direct, sum(means), rtol=EXACT)
+    totals = [
+        sum(
+            share * (stretch_of(r, k).direct + stretch_of(r, k).indirect)[:, ILLUMINANCE, 0]
+            for k, share in enumerate((0.25, 0.25, 0.5))
+        )
+        for r in range(3)
+    ]
+    np.testing.assert_allclose(replicates.at_nodes, totals, rtol=EXACT)
+    np.testing.assert_allclose(replicates.std_error, np.std(totals, axis=0, ddof=1) / np.sqrt(3), rtol=EXACT)
 
 
 @given(st.lists(st.floats(-1, 1), min_size=2, max_size=30), st.sampled_from([0.0, 1e9]))
-def test_the_running_error_is_that_of_the_list_even_far_from_zero(deviations, offset):
+def test_the_error_is_that_of_the_list_even_far_from_zero(deviations, offset):
     light = np.array(deviations) + offset
     replicates = Replicates(first_in_space=1)
     for value in light:
-        replicates.add(batch([value], [0.0]))
+        replicates.append([batch([value], [0.0])])
     expected = light.std(ddof=1) / np.sqrt(len(light))
     # Rounding of the values themselves is all that may differ.
     assert replicates.std_error[0] == pytest.approx(expected, rel=1e-7, abs=1e-15 * offset + 1e-12)
     assert replicates.mean[0] == pytest.approx(light.mean(), rel=1e-12, abs=1e-12)
+
+
+def test_a_target_is_met_when_the_mean_and_the_worst_of_the_area_are():
+    assert ErrorReached(0.02, 0.06, 0.10).in_targets(0.02) == pytest.approx(1.0, rel=EXACT)
+    assert ErrorReached(0.01, 0.06, 0.05).in_targets(0.01) == pytest.approx(2.0, rel=EXACT)
+    assert ErrorReached(0.01, 0.01, 0.15).in_targets(0.01) == pytest.approx(3.0, rel=EXACT)
+
+
+@pytest.mark.parametrize(
+    ("replicates", "given", "step"),
+    [
+        (0, {}, "append"),
+        (7, {"missing": 0.0, "room": 0.0}, "append"),
+        (8, {"missing": 2.5}, "double"),
+        (8, {"missing": 0.4}, "append"),
+        (9, {"missing": -0.1}, "stop"),
+        (8, {"room": 1.2}, "double"),
+        (8, {"room": 0.5}, "append"),
+        (8, {"room": 0.1}, "stop"),
+        (8, {"missing": 3.0, "room": 0.5}, "append"),
+        (3, {"exactly": 4}, "append"),
+        (4, {"exactly": 4, "missing": 5.0}, "stop"),
+    ],
+)
+def test_a_run_doubles_while_far_from_its_end_and_adds_replicates_near_it(replicates, given, step):
+    assert next_step(replicates, **given) == step
 
 
 def test_error_reached_is_weighted_by_area_and_measures_dark_nodes_against_the_mean():

@@ -186,11 +186,13 @@ def run_entry():
         },
         "rays": 123456789,
         "chains": 65536,
-        "batches": 16,
+        "replicates": 8,
+        "doublings": 3,
         "nodes": 4321,
         "error": {"rms": 0.0187, "p95": 0.034, "p99": 0.052, "target": 0.02, "met": True},
         "convergence": [
-            {"batches": 2**k, "seconds": 0.8 * 2**k, "rms": 0.0735 * 2 ** (-k / 2)} for k in range(5)
+            {"replicates": 8, "doublings": k, "seconds": 0.8 * 2**k, "rms": 0.0735 * 2 ** (-k / 2)}
+            for k in range(5)
         ],
         "bias": ["Exponents above 256 are looked up along the mirrored view ray."],
         "warnings": ["office.mtl:4: map_Kd has no photometric meaning here and is ignored"],

@@ -21,6 +21,7 @@ from lelight.mesh.locate import Locator
 from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World
 
 #: Rays of each node, as power of two: more make the draft smoother, and the batches' work lighter.
@@ -102,8 +103,10 @@ def _rows(
     world: World, locator: Locator, receivers: Receivers, labels: IntArray, nodes_in_all: int, seed: int
 ) -> _Rows:
     """Direct light (r, C) of some nodes and their rows of the gathering operator."""
-    direct, _ = direct_light(world, receivers, log2_samples=LOG2_DIRECT, seed=(seed, 7))
-    origins, directions, owner = hemisphere_rays(world, receivers, log2_samples=LOG2_RAYS, seed=(seed, 8))
+    direct, _ = direct_light(world, receivers, samples=Stretch.of(LOG2_DIRECT), seed=(seed, 7))
+    origins, directions, owner = hemisphere_rays(
+        world, receivers, samples=Stretch.of(LOG2_RAYS), seed=(seed, 8)
+    )
     hits = world.caster.closest(origins, directions)
     met = np.flatnonzero(hits.triangle >= 0)
     triangle = hits.triangle[met]

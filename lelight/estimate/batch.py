@@ -1,8 +1,8 @@
-"""One batch: an independent, unbiased estimate of the light at all receivers.
+"""One batch: an unbiased estimate of the light at all receivers by a stretch of one replicate's sequences.
 
-Batch k depends on ``(seed, k)`` only. Receivers are worked on in blocks, by as many threads as there are, and
-every receiver adds its contributions in the same order whatever the blocks and threads: the bits do not
-change.
+It depends on the run's seed, the replicate and the stretch only. Receivers are worked on in blocks, by as many
+threads as there are, and every receiver adds its contributions in the same order whatever the blocks and
+threads: the bits do not change.
 """
 
 from __future__ import annotations
@@ -23,17 +23,20 @@ from lelight.estimate.nearfield import near_field
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.chains import ChainVertices, emission_chains
+from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World
 
 #: Receivers in a block: enough for coherent rays, few enough for memory and for all threads to have work.
 BLOCK = 1024
+#: Samples that a receiver of a block takes at once; bounds memory.
+SAMPLES_AT_ONCE = 512
 #: What tells the random numbers of a batch's parts from each other.
 CHAINS, DIRECT, NEAR = 1, 2, 3
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How much one batch does.
+    """How many points the sequences of one replicate start with; every doubling takes as many as there are.
 
     Attributes
     ----------
@@ -68,6 +71,15 @@ class Batch:
     rays: int
     seconds: dict[str, float]
 
+    def halfway_to(self, other: Batch) -> Batch:
+        """Mean of what two stretches of as many points found."""
+        return replace(
+            self,
+            direct=0.5 * (self.direct + other.direct),
+            indirect=0.5 * (self.indirect + other.indirect),
+            angular=0.5 * (self.angular + other.angular),
+        )
+
 
 def estimate_batch(
     world: World,
@@ -78,21 +90,27 @@ def estimate_batch(
     base: BaseField | None,
     detail: AngularDetail | None,
     executor: Executor,
+    doubling: int = 0,
 ) -> Batch:
-    """Estimate once, with ``effort``.
+    """Estimate once, by the first points of a replicate's sequences or by those of one of their doublings.
 
     Parameters
     ----------
-    seed : the run's seed and the batch's number
+    seed : the run's seed and the replicate's number
+    doubling : 0 for the start, k for the points that double the sequences for the k-th time
     base : field on which the estimate stands; without one the chains start at the emitters
     detail : how angular distributions are kept, None where nothing is glossy
     """
     started = perf_counter()
-    vertices = chain_vertices(world, base, log2_chains=effort.log2_chains, seed=(*seed, CHAINS))
+    stretch = Stretch.of(effort.log2_chains, doubling)
+    vertices = chain_vertices(world, base, stretch, seed=(*seed, CHAINS))
     chain_seconds = perf_counter() - started
     blocks = list(blocks_of(receivers.degrees))
     parts = executor.map(
-        lambda block: _estimate_block(world, receivers[block], vertices, effort, seed, base, detail), blocks
+        lambda block: _estimate_block(
+            world, receivers[block], vertices, effort, doubling, seed, base, detail
+        ),
+        blocks,
     )
     batch = _assembled(receivers, blocks, parts, world.channels, detail)
     batch.seconds["chains"] = chain_seconds
@@ -102,12 +120,12 @@ def estimate_batch(
 
 
 def chain_vertices(
-    world: World, base: BaseField | None, *, log2_chains: int, seed: tuple[int, ...]
+    world: World, base: BaseField | None, chains: Stretch, *, seed: tuple[int, ...]
 ) -> ChainVertices:
     """Walk the chains of a batch: from the emitters, or from what a base field lacks."""
     if base is None:
-        return emission_chains(world, log2_chains=log2_chains, seed=seed)
-    return defect_chains(world, base, log2_chains=log2_chains, seed=seed)
+        return emission_chains(world, chains, seed=seed)
+    return defect_chains(world, base, chains, seed=seed)
 
 
 def blocks_of(degrees: IntArray) -> Iterator[IntArray]:
@@ -123,6 +141,7 @@ def _estimate_block(
     receivers: Receivers,
     vertices: ChainVertices,
     effort: Effort,
+    doubling: int,
     seed: tuple[int, int],
     base: BaseField | None,
     detail: AngularDetail | None,
@@ -131,9 +150,9 @@ def _estimate_block(
     times = [perf_counter()]
     chains = local_estimate(world, receivers, vertices=vertices, bound=effort.bound)
     times.append(perf_counter())
-    direct, direct_rays = _direct(world, receivers, effort, (*seed, DIRECT))
+    direct, direct_rays = _direct(world, receivers, effort, doubling, (*seed, DIRECT))
     times.append(perf_counter())
-    near = _near(world, receivers, effort, (*seed, NEAR), base)
+    near = _near(world, receivers, effort, doubling, (*seed, NEAR), base)
     times.append(perf_counter())
     if detail is not None and receivers.degrees[0] > 0:
         angular = detail.collect(receivers, chains.arrivals + near.arrivals)
@@ -146,38 +165,57 @@ def _estimate_block(
 
 
 def _direct(
-    world: World, receivers: Receivers, effort: Effort, seed: tuple[int, ...]
+    world: World, receivers: Receivers, effort: Effort, doubling: int, seed: tuple[int, ...]
 ) -> tuple[FloatArray, int]:
     """Direct light of a block (r, 6, C), sampled as often as each receiver needs, and the rays it took."""
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
     rays = 0
-    for log2_samples, own in _groups(effort.log2_direct + receivers.direct_doublings):
-        moments[own], traced = direct_light(world, receivers[own], log2_samples=log2_samples, seed=seed)
+    for part, share, own in _turns(effort.log2_direct + receivers.direct_doublings, doubling):
+        found, traced = direct_light(world, receivers[own], samples=part, seed=seed)
+        moments[own] += share * found
         rays += traced
     return moments, rays
 
 
 def _near(
-    world: World, receivers: Receivers, effort: Effort, seed: tuple[int, ...], base: BaseField | None
+    world: World,
+    receivers: Receivers,
+    effort: Effort,
+    doubling: int,
+    seed: tuple[int, ...],
+    base: BaseField | None,
 ) -> LocalEstimate:
     """Near field of a block, sampled as often as each receiver needs."""
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
     arrivals: list[Arrivals] = []
     rays = 0
-    for log2_samples, own in _groups(effort.log2_near + receivers.near_doublings):
-        moments[own], found, traced = near_field(
-            world, receivers[own], bound=effort.bound, log2_samples=log2_samples, seed=seed, base=base
+    for part, share, own in _turns(effort.log2_near + receivers.near_doublings, doubling):
+        found, single, traced = near_field(
+            world, receivers[own], bound=effort.bound, samples=part, seed=seed, base=base
         )
-        arrivals += [replace(part, receiver=own[part.receiver]) for part in found]
+        moments[own] += share * found
+        arrivals += [_owned(arrival, own, share) for arrival in single]
         rays += traced
     return LocalEstimate(moments, tuple(arrivals), rays)
 
 
-def _groups(log2_samples: IntArray) -> Iterator[tuple[int, IntArray]]:
-    """Receivers by how often they sample."""
+def _turns(log2_samples: IntArray, doubling: int) -> Iterator[tuple[Stretch, float, IntArray]]:
+    """Receivers by how often they sample, and by turns: points, their share of the stretch, receivers."""
     counts = np.maximum(log2_samples, 0)
     for log2_count in np.unique(counts):
-        yield int(log2_count), np.flatnonzero(counts == log2_count)
+        stretch = Stretch.of(int(log2_count), doubling)
+        own = np.flatnonzero(counts == log2_count)
+        for part in stretch.parts(SAMPLES_AT_ONCE):
+            yield part, part.count / stretch.count, own
+
+
+def _owned(arrivals: Arrivals, own: IntArray, share: float) -> Arrivals:
+    """Arrivals of some receivers as those of the whole block, of which they are a share."""
+    return replace(
+        arrivals,
+        receiver=own[arrivals.receiver],
+        radiance_solid_angle=share * arrivals.radiance_solid_angle,
+    )
 
 
 def _assembled(

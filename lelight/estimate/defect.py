@@ -20,18 +20,16 @@ from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, triangle_areas
 from lelight.tracing.chains import (
     DIFFUSE_LOBE,
-    REFLECTION_DIMENSIONS,
-    SOBOL_REFLECTIONS,
     SPECULAR_LOBE,
-    START_DIMENSIONS,
     ChainVertices,
     arrive,
+    chain_numbers,
     emit,
     joined,
     no_vertices,
     walk_on,
 )
-from lelight.tracing.sampling import cosine_directions, sobol
+from lelight.tracing.sampling import Stretch, cosine_directions
 from lelight.tracing.world import World
 
 #: Rays to emitters and into the room that estimate the defect where a chain starts, as power of two.
@@ -57,8 +55,8 @@ class _Faces:
         return np.asarray(np.minimum(found, len(cumulative) - 1))
 
 
-def defect_chains(world: World, base: BaseField, *, log2_chains: int, seed: tuple[int, ...]) -> ChainVertices:
-    """Vertices of chains that carry what ``base`` lacks; 2**log2_chains of each kind.
+def defect_chains(world: World, base: BaseField, chains: Stretch, *, seed: tuple[int, ...]) -> ChainVertices:
+    """Vertices of chains that carry what ``base`` lacks; a stretch of each kind.
 
     Returns
     -------
@@ -66,9 +64,9 @@ def defect_chains(world: World, base: BaseField, *, log2_chains: int, seed: tupl
     """
     parts = [no_vertices(world.channels)]
     if _diffuse(world):
-        parts.append(_lambertian(world, base, log2_chains=log2_chains, seed=(*seed, STARTS)))
+        parts.append(_lambertian(world, base, chains, seed=(*seed, STARTS)))
     if np.any(world.reflectances.specular_share > 0):
-        parts.append(_glossy(world, base, log2_chains=log2_chains, seed=(*seed, GLOSS)))
+        parts.append(_glossy(world, base, chains, seed=(*seed, GLOSS)))
     return joined(parts)
 
 
@@ -77,22 +75,18 @@ def _diffuse(world: World) -> bool:
     return bool(np.any(world.reflectances.diffuse_share[world.materials] > 0))
 
 
-def _points(log2_chains: int, seed: tuple[int, ...]) -> FloatArray:
-    dimensions = START_DIMENSIONS + SOBOL_REFLECTIONS * REFLECTION_DIMENSIONS
-    return sobol(dimensions, log2_count=log2_chains, seed=seed)
-
-
-def _lambertian(world: World, base: BaseField, *, log2_chains: int, seed: tuple[int, ...]) -> ChainVertices:
+def _lambertian(world: World, base: BaseField, chains: Stretch, *, seed: tuple[int, ...]) -> ChainVertices:
     """Chains from surface points, by the defect of the base there."""
-    points = _points(log2_chains, seed)
+    points = chain_numbers(chains, seed=seed)
     start, area = _surface_points(world, base, points)
     receivers = with_surface(space_receivers(start.points, start.normals))
-    direct, _ = direct_light(world, receivers, log2_samples=LOG2_DEFECT_RAYS, seed=(*seed, DEFECT_DIRECT))
+    samples, seed = Stretch.of(LOG2_DEFECT_RAYS), (*seed, chains.first)
+    direct, _ = direct_light(world, receivers, samples=samples, seed=(*seed, DEFECT_DIRECT))
     gathered, _, _ = near_field(
         world,
         receivers,
         bound=math.inf,
-        log2_samples=LOG2_DEFECT_RAYS,
+        samples=samples,
         seed=(*seed, DEFECT_GATHER),
         base=base,
     )
@@ -146,11 +140,11 @@ def _share_of_dark(weight: FloatArray, lit: BoolArray) -> float:
     return DARK_SHARE / (1.0 - DARK_SHARE) * float(weight[lit].sum()) / dark if dark > 0 else 0.0
 
 
-def _glossy(world: World, base: BaseField, *, log2_chains: int, seed: tuple[int, ...]) -> ChainVertices:
+def _glossy(world: World, base: BaseField, chains: Stretch, *, seed: tuple[int, ...]) -> ChainVertices:
     """Chains from emitters and the base's own radiance; of their first reflection only gloss is kept."""
-    from_emitters = _points(log2_chains, (*seed, 1))
+    from_emitters = chain_numbers(chains, seed=(*seed, 1))
     origins, directions, flux = emit(world.emitters, from_emitters, world.caster.offset)
-    from_base = _points(log2_chains, (*seed, 2))
+    from_base = chain_numbers(chains, seed=(*seed, 2))
     if _diffuse(world):
         base_origins, base_directions, base_flux = _emit_base(world, base, from_base)
         origins = np.concatenate([origins, base_origins])
@@ -160,7 +154,11 @@ def _glossy(world: World, base: BaseField, *, log2_chains: int, seed: tuple[int,
     glossy = np.flatnonzero(world.reflectances.specular_share[first.materials] > 0)
     first = first[glossy].with_lobes(SPECULAR_LOBE)
     return walk_on(
-        world, first, chain=alive[glossy], points=np.concatenate([from_emitters, from_base]), seed=seed
+        world,
+        first,
+        chain=alive[glossy],
+        points=np.concatenate([from_emitters, from_base]),
+        seed=(*seed, chains.first),
     )
 
 

@@ -27,7 +27,7 @@ from lelight.tracing.emitters import (
     toward,
     unshadowed,
 )
-from lelight.tracing.sampling import mix, rotated, sobol, uniform
+from lelight.tracing.sampling import Stretch, mix, rotated, sobol, uniform
 from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
@@ -37,10 +37,15 @@ LOG2_PREVIEW = 5
 
 
 def direct_light(
-    world: World, receivers: Receivers, *, log2_samples: int, seed: tuple[int, ...]
+    world: World, receivers: Receivers, *, samples: Stretch, seed: tuple[int, ...]
 ) -> tuple[FloatArray, int]:
-    """Moments (r, 6, C) of the light that reaches the receivers from emitters, and the rays it took."""
-    numbers = sobol(3, log2_count=log2_samples, seed=seed)
+    """Moments (r, 6, C) of the light that reaches the receivers from emitters, and the rays it took.
+
+    Parameters
+    ----------
+    samples : the shadow rays of each receiver, as points of its sequence
+    """
+    numbers = sobol(3, samples, seed=seed)
     drawn = _draw(world, receivers, numbers, hash_of(seed))
     light = drawn.arrivals.radiance_solid_angle / len(numbers)
     owner = drawn.arrivals.receiver
@@ -58,7 +63,7 @@ def with_clear_share(world: World, receivers: Receivers, *, seed: tuple[int, ...
     """
     if len(world.emitters.power) > LOCAL_CHOICE_LIMIT:
         return receivers
-    drawn = _draw(world, receivers, sobol(3, log2_count=LOG2_PREVIEW, seed=seed), hash_of(seed))
+    drawn = _draw(world, receivers, sobol(3, Stretch.of(LOG2_PREVIEW), seed=seed), hash_of(seed))
     clear = world.caster.visible(drawn.origins, drawn.ends)
     weight = drawn.arrivals.radiance_solid_angle.sum(axis=1)
     count = len(receivers)

@@ -22,13 +22,12 @@ from lelight.estimate.nearfield import near_field
 from lelight.estimate.replicates import DARK_SHARE
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import FloatArray, IntArray
+from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World
 
 #: Trial batches, and the samples of each part in one, as powers of two.
 TRIALS = 6
 TRIAL = (4, 2, 3)
-#: Batches that the chosen effort should need; more than the least, so that the stop is close to the target.
-WANTED_BATCHES = 12
 #: A shadow ray of the pair kernel is coherent with its neighbours; others cost about this much more.
 INCOHERENT_COST = 2.5
 #: Most that a receiver's samples are doubled, and halved.
@@ -80,16 +79,18 @@ def choose_effort(
     areas: FloatArray,
     target: float,
     most_rays: float,
+    batches: float,
     seed: int,
     executor: Executor,
 ) -> tuple[Effort, Receivers]:
-    """Pick the effort of a batch such that about a dozen of them reach ``target``.
+    """Pick the effort of a batch such that about so many of them reach ``target``.
 
     Parameters
     ----------
     areas : (r,) float, m²; weights of the receivers in the error, 0 for those that do not count
     target : float, relative standard error
     most_rays : float, rays that a batch may take at the most; inf where there is no clock
+    batches : float, how many the effort is shared out over
 
     Returns
     -------
@@ -101,8 +102,8 @@ def choose_effort(
     direct, near = _doublings(spread.variance[1]), _doublings(spread.variance[2])
     variance, cost = spread.shared_out(direct, near, areas)
     samples = _samples(variance, cost, target)
-    samples *= min(1.0, WANTED_BATCHES * most_rays / (len(receivers) * float(samples @ cost)))
-    log2 = [round(float(np.log2(max(1.0, count / WANTED_BATCHES)))) for count in samples]
+    samples *= min(1.0, batches * most_rays / (len(receivers) * float(samples @ cost)))
+    log2 = [round(float(np.log2(max(1.0, count / batches)))) for count in samples]
     log2 = [min(max(least, each), MOST) for each, least in zip(log2, LEAST, strict=True)]
     shared_out = replace(
         receivers,
@@ -163,7 +164,7 @@ def _spread(
 ) -> Spread:
     """Try a few small batches at all receivers."""
     chains = [
-        chain_vertices(world, base, log2_chains=TRIAL[0], seed=(seed, TRIAL_SEED + k, CHAINS))
+        chain_vertices(world, base, Stretch.of(TRIAL[0]), seed=(seed, TRIAL_SEED + k, CHAINS))
         for k in range(TRIALS)
     ]
     light = np.zeros((TRIALS, len(TRIAL), len(receivers)))
@@ -175,10 +176,15 @@ def _spread(
             own = receivers[block]
             of_chains = local_estimate(world, own, vertices=vertices, bound=bound)
             direct, direct_rays = direct_light(
-                world, own, log2_samples=TRIAL[1], seed=(seed, TRIAL_SEED + k, DIRECT)
+                world, own, samples=Stretch.of(TRIAL[1]), seed=(seed, TRIAL_SEED + k, DIRECT)
             )
             near, _, near_rays = near_field(
-                world, own, bound=bound, log2_samples=TRIAL[2], seed=(seed, TRIAL_SEED + k, NEAR), base=base
+                world,
+                own,
+                bound=bound,
+                samples=Stretch.of(TRIAL[2]),
+                seed=(seed, TRIAL_SEED + k, NEAR),
+                base=base,
             )
             for part, moments in enumerate((of_chains.moments, direct, near)):
                 light[k, part, block] = luminance_weighted(moments[:, ILLUMINANCE])

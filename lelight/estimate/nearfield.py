@@ -29,10 +29,13 @@ from lelight.estimate.split import list_near
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import hash_of
-from lelight.tracing.sampling import cosine_direction, sobol, sphere_direction, to_axis
+from lelight.tracing.sampling import Stretch, cosine_direction, sobol, sphere_direction, to_axis
 from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
+
+#: More than any receiver samples in a run: numbers its paths apart from those of all others.
+MOST_SAMPLES = 2**32
 
 
 class SurfaceLuminance(Protocol):
@@ -47,7 +50,7 @@ def near_field(
     receivers: Receivers,
     *,
     bound: float,
-    log2_samples: int,
+    samples: Stretch,
     seed: tuple[int, ...],
     base: SurfaceLuminance | None = None,
 ) -> tuple[FloatArray, tuple[Arrivals, ...], int]:
@@ -57,7 +60,7 @@ def near_field(
     ----------
     bound : float, 1/m², b of the split; inf leaves only the base
     base : a field to gather where the kernel is bounded; the chains then carry what it lacks
-    log2_samples : int; rays a receiver, as power of two
+    samples : the rays of each receiver, as points of its sequence
 
     Returns
     -------
@@ -66,7 +69,7 @@ def near_field(
     rays : int
     """
     key = hash_of(seed)
-    table = sobol(2 + NUMBERS, log2_count=log2_samples, seed=seed)
+    table = sobol(2 + NUMBERS, samples, seed=seed)
     receiver, sample = np.divmod(np.arange(len(receivers) * len(table)), len(table))
     numbers = np.empty((len(receiver), 2 + NUMBERS))
     rotated_numbers(table, key, receivers.identity, numbers)
@@ -79,7 +82,7 @@ def near_field(
         paths,
         bound=bound,
         numbers=numbers[paths.number, 2:],
-        identity=receivers.identity[receiver] * len(table) + sample,
+        identity=receivers.identity[receiver] * MOST_SAMPLES + samples.first + sample,
         key=hash_of((*seed, 1)),
     )
     if base is not None:
@@ -94,10 +97,10 @@ def near_field(
 
 
 def hemisphere_rays(
-    world: World, receivers: Receivers, *, log2_samples: int, seed: tuple[int, ...]
+    world: World, receivers: Receivers, *, samples: Stretch, seed: tuple[int, ...]
 ) -> tuple[FloatArray, FloatArray, IntArray]:
     """Cosine-distributed rays from surface receivers: origins, directions (k, 3) and receiver (k,)."""
-    table = sobol(2, log2_count=log2_samples, seed=seed)
+    table = sobol(2, samples, seed=seed)
     numbers = np.empty((len(receivers) * len(table), 2))
     rotated_numbers(table, hash_of(seed), receivers.identity, numbers)
     directions, _ = _directions(receivers, numbers, len(table))

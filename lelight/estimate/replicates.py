@@ -1,8 +1,15 @@
-"""Batches become a mean and its standard error; the error reached decides when to stop."""
+"""Replicates: independent scrambles of the same sequences, whose spread is the error of everything.
+
+Each replicate goes on with its own sequence by doubling, so it keeps what quasi-random points gain, and its mean
+has equal weight with those of the others: Student's t with one degree of freedom less than there are
+replicates (Owen 1997; L'Ecuyer & Lemieux 2002).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import reduce
 
 import numpy as np
 
@@ -11,10 +18,13 @@ from lelight.estimate.batch import Batch
 from lelight.receivers import ILLUMINANCE
 from lelight.scene import BoolArray, FloatArray
 
-#: Fewer batches than this give no error worth the name.
-LEAST_BATCHES = 8
+#: Fewer replicates than this give no error worth the name.
+LEAST_REPLICATES = 8
 #: Nodes darker than this share of the mean are measured against it, not against themselves.
 DARK_SHARE = 0.05
+#: The error of a run is within its target when the root mean square is, and the worst 5 % and 1 % of the area
+#: are within so many targets.
+P95_TARGETS, P99_TARGETS = 3.0, 5.0
 
 
 @dataclass(frozen=True)
@@ -31,68 +41,100 @@ class ErrorReached:
     p95: float
     p99: float
 
+    def in_targets(self, target: float) -> float:
+        """Tell the largest of the three as a multiple of what it may be: 1 or less meets the target."""
+        return max(self.rms, self.p95 / P95_TARGETS, self.p99 / P99_TARGETS) / target
+
 
 @dataclass
 class Replicates:
-    """Running totals of the batches; owns them and grows.
+    """Totals of a run; owns them and grows by `append` and `double`.
 
     Attributes
     ----------
-    direct, indirect : (r, 6, C) float, sums over batches
-    angular : (g, width, C) float, sum over batches
-    mean, square : (r,) float, luminance-weighted illuminance: running mean, and sum of squared deviations
-    at_nodes : one (first_in_space,) float a batch, lx
-    in_space, indirect_in_space : one (r - first_in_space, 6) float a batch, luminance-weighted moments
+    doublings : int, how often every replicate has doubled its sequences; the same for all
+    direct, indirect : (r, 6, C) float, sums of the replicates' means
+    angular : (g, width, C) float, likewise
+    illuminance : one (r,) float a replicate, lx, luminance-weighted
+    in_space, indirect_in_space : one (r - first_in_space, 6) float a replicate, luminance-weighted moments
     """
 
     first_in_space: int
+    doublings: int = 0
     direct: FloatArray = field(default_factory=lambda: np.zeros(0))
     indirect: FloatArray = field(default_factory=lambda: np.zeros(0))
     angular: FloatArray = field(default_factory=lambda: np.zeros(0))
-    square: FloatArray = field(default_factory=lambda: np.zeros(0))
-    mean: FloatArray = field(default_factory=lambda: np.zeros(0))
-    at_nodes: list[FloatArray] = field(default_factory=list)
+    illuminance: list[FloatArray] = field(default_factory=list)
     in_space: list[FloatArray] = field(default_factory=list)
     indirect_in_space: list[FloatArray] = field(default_factory=list)
-    count: int = 0
     vertices: int = 0
     rays: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
 
-    def add(self, batch: Batch) -> None:
-        """Take in one batch, in order of their numbers."""
-        if self.count == 0:
-            self.direct, self.indirect = np.zeros_like(batch.direct), np.zeros_like(batch.indirect)
-            self.angular = np.zeros_like(batch.angular)
-            self.mean = np.zeros(len(batch.direct))
-            self.square = np.zeros(len(batch.direct))
-        self.count += 1
-        self.direct += batch.direct
-        self.indirect += batch.indirect
-        self.angular += batch.angular
-        illuminance = luminance_weighted(batch.direct[:, ILLUMINANCE] + batch.indirect[:, ILLUMINANCE])
-        self._add_square(illuminance)
-        self.at_nodes.append(illuminance[: self.first_in_space])
-        space = slice(self.first_in_space, None)
-        self.in_space.append(luminance_weighted(batch.direct[space] + batch.indirect[space]))
-        self.indirect_in_space.append(luminance_weighted(batch.indirect[space]))
+    def append(self, stretches: Iterable[Batch]) -> None:
+        """Add one replicate by its stretches: its start, then as many doublings as the others have made."""
+        mean = reduce(Batch.halfway_to, map(self._counted, stretches))
+        if not self.illuminance:
+            self.direct, self.indirect = np.zeros_like(mean.direct), np.zeros_like(mean.indirect)
+            self.angular = np.zeros_like(mean.angular)
+        self.direct += mean.direct
+        self.indirect += mean.indirect
+        self.angular += mean.angular
+        self.illuminance.append(self._seen(mean))
+        self.in_space.append(self._moments_in_space(mean.direct + mean.indirect))
+        self.indirect_in_space.append(self._moments_in_space(mean.indirect))
+
+    def double(self, batches: Iterable[Batch]) -> None:
+        """Give every replicate as many points again as it has: one batch each, in their order."""
+        for k, batch in enumerate(map(self._counted, batches)):
+            self.direct += batch.direct
+            self.indirect += batch.indirect
+            self.angular += batch.angular
+            self.illuminance[k] = 0.5 * (self.illuminance[k] + self._seen(batch))
+            total = self._moments_in_space(batch.direct + batch.indirect)
+            self.in_space[k] = 0.5 * (self.in_space[k] + total)
+            indirect = self._moments_in_space(batch.indirect)
+            self.indirect_in_space[k] = 0.5 * (self.indirect_in_space[k] + indirect)
+        self.direct *= 0.5
+        self.indirect *= 0.5
+        self.angular *= 0.5
+        self.doublings += 1
+
+    @property
+    def count(self) -> int:
+        """Number R of replicates."""
+        return len(self.illuminance)
+
+    @property
+    def mean(self) -> FloatArray:
+        """(r,) float, lx: illuminance, luminance-weighted."""
+        return np.asarray(np.mean(self.illuminance, axis=0))
+
+    @property
+    def std_error(self) -> FloatArray:
+        """(r,) float, lx: standard error of the mean illuminance, R - 1 degrees of freedom."""
+        if self.count < 2:
+            return np.full(len(self.direct), np.inf)
+        return np.asarray(np.std(self.illuminance, axis=0, ddof=1) / np.sqrt(self.count))
+
+    @property
+    def at_nodes(self) -> FloatArray:
+        """(R, first_in_space) float, lx: illuminance of the nodes by each replicate."""
+        return np.array(self.illuminance)[:, : self.first_in_space]
+
+    def _seen(self, batch: Batch) -> FloatArray:
+        return luminance_weighted(batch.direct[:, ILLUMINANCE] + batch.indirect[:, ILLUMINANCE])
+
+    def _moments_in_space(self, moments: FloatArray) -> FloatArray:
+        return luminance_weighted(moments[self.first_in_space :])
+
+    def _counted(self, batch: Batch) -> Batch:
+        """Count what a batch took, and hand it on."""
         self.vertices += batch.vertices
         self.rays += batch.rays
         for stage, spent in batch.seconds.items():
             self.seconds[stage] = self.seconds.get(stage, 0.0) + spent
-
-    def _add_square(self, illuminance: FloatArray) -> None:
-        """Welford's update of mean and sum of squared deviations, which does not cancel."""
-        step = illuminance - self.mean
-        self.mean += step / self.count
-        self.square += step * (illuminance - self.mean)
-
-    @property
-    def std_error(self) -> FloatArray:
-        """(r,) float, lx: standard error of the mean illuminance, count - 1 degrees of freedom."""
-        if self.count < 2:
-            return np.full(len(self.mean), np.inf)
-        return np.asarray(np.sqrt(self.square / (self.count * (self.count - 1))))
+        return batch
 
 
 def error_reached(illuminance: FloatArray, std_error: FloatArray, *, areas: FloatArray) -> ErrorReached:

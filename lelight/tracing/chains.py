@@ -17,6 +17,7 @@ from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.emitters import Emitters
 from lelight.tracing.reflection import Reflectances, diffuse_probability
 from lelight.tracing.sampling import (
+    Stretch,
     cosine_direction,
     lobe_direction,
     mirrored,
@@ -86,8 +87,8 @@ class ChainVertices:
         return replace(self, lobes=np.full(len(self), lobes))
 
 
-def emission_chains(world: World, *, log2_chains: int, seed: tuple[int, ...]) -> ChainVertices:
-    """Send 2**log2_chains chains out of the emitters until all have died or left.
+def emission_chains(world: World, chains: Stretch, *, seed: tuple[int, ...]) -> ChainVertices:
+    """Send a stretch of chains out of the emitters until all have died or left.
 
     The flux of the vertices is normalised: one call is one unbiased estimate. Every vertex's weight is its
     flux over the number of chains, divided by all probabilities of getting there.
@@ -96,12 +97,15 @@ def emission_chains(world: World, *, log2_chains: int, seed: tuple[int, ...]) ->
     ----------
     seed : integers that fix every random number of the walk
     """
-    points = sobol(
-        START_DIMENSIONS + SOBOL_REFLECTIONS * REFLECTION_DIMENSIONS, log2_count=log2_chains, seed=seed
-    )
+    points = chain_numbers(chains, seed=seed)
     origins, directions, flux = emit(world.emitters, points, world.caster.offset)
     first, alive = arrive(world, origins, directions, flux / len(points))
-    return walk_on(world, first, chain=alive, points=points, seed=seed)
+    return walk_on(world, first, chain=alive, points=points, seed=(*seed, chains.first))
+
+
+def chain_numbers(chains: Stretch, *, seed: tuple[int, ...]) -> FloatArray:
+    """Quasi-random numbers of a stretch of chains (k, 29): what and where to start, then the reflections."""
+    return sobol(START_DIMENSIONS + SOBOL_REFLECTIONS * REFLECTION_DIMENSIONS, chains, seed=seed)
 
 
 def walk_on(
@@ -113,6 +117,7 @@ def walk_on(
     ----------
     chain : (v,) int, row of ``points`` that serves each chain
     points : (k, 5 + 24) float, quasi-random numbers in [0, 1), of which the first five are spent
+    seed : fixes the numbers of later reflections and of the roulette; not the same for two stretches
     """
     key = hash_of((*seed, 1))
     vertices = first
