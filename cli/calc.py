@@ -11,6 +11,7 @@ from lelight.calculation import Calculation
 from lelight.cli.options import SCENE, NamedPath, run_options
 from lelight.cli.progress import watched
 from lelight.pipelines.calc import run_calc
+from lelight.pipelines.record import mesh_statement
 from lelight.settings import Settings
 
 
@@ -52,6 +53,7 @@ def summary(folder: Path, run: Calculation) -> list[str]:
         f"{run.replicates.rays / 1e6:.1f} million rays, {seconds:.1f} s",
         f"relative standard error {run.error.rms:.2%} (95 % of the area below {run.error.p95:.2%}, "
         f"99 % below {run.error.p99:.2%})",
+        mesh_statement(run),
     ]
     for values in run.planes:
         mean = values.replicates.mean(axis=1)

@@ -12,11 +12,13 @@ from lelight.clock import Clock
 from lelight.estimate.angular import AngularDetail, angular_detail
 from lelight.estimate.batch import Batch, Effort, estimate_batch
 from lelight.estimate.effort import choose_effort
+from lelight.estimate.interpolation import InterpolationError
 from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, visible_areas
 from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
+from lelight.estimate.variants import VARIANTS
 from lelight.field import RadianceField
 from lelight.mesh.nodes import NodeMesh
-from lelight.outcome import found_at_eyes, found_field, found_on_planes
+from lelight.outcome import found_at_eyes, found_at_probes, found_field, found_on_planes
 from lelight.plan import Plan
 from lelight.preparation import Stage, prepare
 from lelight.reading.loading import require_light
@@ -65,6 +67,7 @@ class Calculation:
     Attributes
     ----------
     seconds : by stage
+    interpolation : error between the nodes, which no replicate sees
     convergence : one row a replicate added or doubling made
     """
 
@@ -78,6 +81,7 @@ class Calculation:
     replicates: Replicates
     error: ErrorReached
     target_met: bool
+    interpolation: InterpolationError | None
     edge: float
     seconds: dict[str, float]
     convergence: tuple[Standing, ...]
@@ -141,6 +145,7 @@ def _estimate(
             base=stage.base,
             detail=detail,
             executor=executor,
+            variant=VARIANTS[settings.estimator],
         )
 
     replicates = Replicates(first_in_space=len(stage.mesh))
@@ -173,6 +178,7 @@ def _effort(settings: Settings, stage: Stage, executor: Executor) -> tuple[Effor
         batches=WANTED_BATCHES if settings.batches is None else BATCHES_WITHOUT_DOUBLING,
         seed=settings.seed,
         executor=executor,
+        variant=VARIANTS[settings.estimator],
     )
 
 
@@ -236,6 +242,7 @@ def _found(
         replicates=replicates,
         error=error,
         target_met=error.in_targets(settings.target_error) <= 1.0,
+        interpolation=found_at_probes(stage, replicates),
         edge=stage.edge,
         seconds=clock.seconds,
         convergence=convergence,

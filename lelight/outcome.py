@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lelight.estimate.angular import AngularDetail
+from lelight.estimate.interpolation import InterpolationError, interpolation_error
 from lelight.estimate.replicates import Replicates
 from lelight.field import RadianceField
 from lelight.preparation import Stage
@@ -82,6 +83,19 @@ def found_on_planes(scene: Scene, stage: Stage, replicates: Replicates) -> tuple
         )
         first += len(points)
     return tuple(planes)
+
+
+def found_at_probes(stage: Stage, replicates: Replicates) -> InterpolationError | None:
+    """Hold what is interpolated between the nodes against what was estimated there."""
+    if replicates.count < 2:
+        return None
+    light = np.array(replicates.illuminance)
+    return interpolation_error(
+        replicates.at_nodes,
+        light[:, light.shape[1] - len(stage.probes) :],
+        nodes=stage.probes.nodes,
+        weights=stage.probes.weights,
+    )
 
 
 def found_at_eyes(scene: Scene, stage: Stage, replicates: Replicates) -> tuple[ObserverValues, ...]:

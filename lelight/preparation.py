@@ -11,13 +11,15 @@ from lelight.clock import Clock
 from lelight.errors import SceneError
 from lelight.estimate.base import BaseField, solve_base
 from lelight.estimate.direct import with_clear_share
+from lelight.estimate.variants import VARIANTS
 from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
 from lelight.mesh.patches import patches
+from lelight.mesh.probes import Probes, draw_probes
 from lelight.mesh.remesh import default_edge, remesh
 from lelight.metrics.grid import grid_points
 from lelight.pilot import buried, lit_sides
 from lelight.plan import Decision, Plan, make_plan
-from lelight.receivers import Receivers, joined, space_receivers, surface_receivers
+from lelight.receivers import Receivers, joined, space_receivers, surface_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 from lelight.settings import Settings
 from lelight.tracing.world import World, build_world
@@ -37,10 +39,11 @@ class Stage:
     Attributes
     ----------
     labels : (n_t,) int, patch of each traced triangle
-    receivers : nodes first, then the points of all planes, then the eyes
+    receivers : nodes first, then the points of all planes, then the eyes, then the probes
     grids : points (k, 3) and shape (rows, columns) of each plane
     edge : float, m, of the node mesh
-    base : field on which the estimate stands, None where chains from the emitters carry everything
+    base : field on which the estimate stands, None where there is none
+    probes : points between the nodes, the last of the receivers
     """
 
     world: World
@@ -51,6 +54,7 @@ class Stage:
     edge: float
     plan: Plan
     base: BaseField | None
+    probes: Probes
 
 
 def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) -> Stage:
@@ -68,18 +72,19 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
         raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
     clock.lap("pilot")
     grids = tuple(grid_points(plane) for plane in scene.planes)
-    receivers = _receivers(scene, mesh, plan, grids)
+    probes = draw_probes(mesh, scene.corners, labels, seed=settings.seed)
+    receivers = _receivers(scene, mesh, plan, grids, probes)
     sides = Decision(
         "sides", f"{int(lit.sum())} of {2 * len(lit)} patch sides carry nodes", "the others receive no light"
     )
     plan = replace(plan, decisions=(*plan.decisions, sides))
     receivers = with_clear_share(world, receivers, seed=(settings.seed, 3))
     base = None
-    if settings.estimator == "base":
+    if VARIANTS[settings.estimator].on_base:
         nodes = receivers[slice(0, len(mesh))]
         base = solve_base(world, mesh, nodes, labels=labels, lit=lit, seed=settings.seed, executor=executor)
     clock.lap("base")
-    return Stage(world, labels, mesh, receivers, grids, edge, plan, base)
+    return Stage(world, labels, mesh, receivers, grids, edge, plan, base, probes)
 
 
 def _seen_nodes(
@@ -107,14 +112,19 @@ def require_absorption(scene: Scene, world: World) -> None:
 
 
 def _receivers(
-    scene: Scene, mesh: NodeMesh, plan: Plan, grids: tuple[tuple[FloatArray, tuple[int, int]], ...]
+    scene: Scene,
+    mesh: NodeMesh,
+    plan: Plan,
+    grids: tuple[tuple[FloatArray, tuple[int, int]], ...],
+    probes: Probes,
 ) -> Receivers:
-    """Nodes first, then the points of all planes, then the eyes."""
+    """Nodes first, then the points of all planes, then the eyes, then the probes."""
     parts = [surface_receivers(mesh, plan.degrees)]
     for plane, (points, _) in zip(scene.planes, grids, strict=True):
         parts.append(space_receivers(points, _repeated(plane.normal, points), doublings=PLANE_DOUBLINGS))
     for eye in scene.observers:
         parts.append(space_receivers(eye.position[None], eye.direction[None], doublings=EYE_DOUBLINGS))
+    parts.append(with_surface(space_receivers(probes.points, probes.normals)))
     return joined(parts)
 
 

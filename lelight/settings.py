@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Literal
 
+from lelight.estimate.variants import Estimator
 from lelight.plan import Method
 
 Preset = Literal["draft", "normal", "fine"]
-Estimator = Literal["base", "emitters"]
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,8 @@ class Settings:
     threads : int
     batches : int or None; exactly so many replicates, without doubling, instead of a target
     estimator : ``base`` gathers a first field and lets chains carry what it lacks; ``emitters`` lets chains
-        from the emitters carry everything. Both are unbiased, their speed differs.
+        from the emitters carry everything; ``paths`` has no chains. They are unbiased, their speed differs.
+        The others of `lelight.estimate.variants` are for comparison.
     """
 
     target: float | None = None

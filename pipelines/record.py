@@ -10,6 +10,7 @@ import numpy as np
 
 import lelight
 from lelight.calculation import Calculation, Standing
+from lelight.estimate.variants import VARIANTS
 from lelight.plan import LARGEST_STORED_EXPONENT
 from lelight.reading.lint import material_table
 
@@ -51,6 +52,7 @@ def run_record(
         "error": _error(run),
         "convergence": [_step(standing) for standing in run.convergence],
         "bias": bias_statements(run),
+        "interpolation": vars(run.interpolation) if run.interpolation else None,
         "warnings": warnings,
         "unit": run.scene.unit,
         "up": run.scene.up,
@@ -129,10 +131,11 @@ def bias_statements(run: Calculation) -> list[str]:
     """Say in words what the spread of replicates cannot show."""
     statements = [
         "Depth: chains and paths end by Russian roulette only; nothing is cut off.",
-        "Mesh: the estimate holds at the nodes; between them values are linear "
-        f"over edges of {run.edge:.3g} m.",
+        mesh_statement(run),
         "Sign: an estimate of almost no light that came out below zero is written as zero.",
     ]
+    if bias := VARIANTS[run.settings.estimator].bias:
+        statements.append(bias)
     for material, degree in zip(run.scene.materials, run.plan.degrees, strict=True):
         if degree:
             statements.append(
@@ -142,3 +145,15 @@ def bias_statements(run: Calculation) -> list[str]:
     if any(m.glossy and m.exponent > LARGEST_STORED_EXPONENT for m in run.scene.materials):
         statements.append("Mirrors: what a sharp lobe shows is interpolated at the surface it meets.")
     return statements
+
+
+def mesh_statement(run: Calculation) -> str:
+    """Say what linear interpolation between the nodes was found to be off by."""
+    text = f"Mesh: between the nodes values are linear over edges of {run.edge:.3g} m"
+    found = run.interpolation
+    if found is None:
+        return f"{text}."
+    return (
+        f"{text}; at {found.probes} points between them they are off by {found.rms:.2%} of the mean (root mean square), "
+        f"{found.mean:+.2%} ± {found.mean_std_error:.2%} on average."
+    )

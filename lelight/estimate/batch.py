@@ -15,14 +15,16 @@ from time import perf_counter
 import numpy as np
 
 from lelight.estimate.angular import AngularDetail
+from lelight.estimate.averaged import averaged_estimate
 from lelight.estimate.base import BaseField
 from lelight.estimate.defect import defect_chains
 from lelight.estimate.direct import direct_light
 from lelight.estimate.local import Arrivals, LocalEstimate, local_estimate
 from lelight.estimate.nearfield import near_field
+from lelight.estimate.variants import VARIANTS, Variant
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import FloatArray, IntArray
-from lelight.tracing.chains import ChainVertices, emission_chains
+from lelight.tracing.chains import ChainVertices, emission_chains, no_vertices
 from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World
 
@@ -31,7 +33,7 @@ BLOCK = 1024
 #: Samples that a receiver of a block takes at once; bounds memory.
 SAMPLES_AT_ONCE = 512
 #: What tells the random numbers of a batch's parts from each other.
-CHAINS, DIRECT, NEAR = 1, 2, 3
+CHAINS, DIRECT, NEAR, DISC = 1, 2, 3, 4
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,7 @@ def estimate_batch(
     detail: AngularDetail | None,
     executor: Executor,
     doubling: int = 0,
+    variant: Variant | None = None,
 ) -> Batch:
     """Estimate once, by the first points of a replicate's sequences or by those of one of their doublings.
 
@@ -98,17 +101,19 @@ def estimate_batch(
     ----------
     seed : the run's seed and the replicate's number
     doubling : 0 for the start, k for the points that double the sequences for the k-th time
+    variant : how indirect light is estimated; default split between chains and near field, on the base if any
     base : field on which the estimate stands; without one the chains start at the emitters
     detail : how angular distributions are kept, None where nothing is glossy
     """
     started = perf_counter()
+    variant = variant or VARIANTS["base" if base is not None else "emitters"]
     stretch = Stretch.of(effort.log2_chains, doubling)
-    vertices = chain_vertices(world, base, stretch, seed=(*seed, CHAINS))
+    vertices = chain_vertices(world, base, stretch, variant, seed=(*seed, CHAINS))
     chain_seconds = perf_counter() - started
     blocks = list(blocks_of(receivers.degrees))
     parts = executor.map(
         lambda block: _estimate_block(
-            world, receivers[block], vertices, effort, doubling, seed, base, detail
+            world, receivers[block], vertices, effort, variant, doubling, seed, base, detail
         ),
         blocks,
     )
@@ -120,9 +125,11 @@ def estimate_batch(
 
 
 def chain_vertices(
-    world: World, base: BaseField | None, chains: Stretch, *, seed: tuple[int, ...]
+    world: World, base: BaseField | None, chains: Stretch, variant: Variant, *, seed: tuple[int, ...]
 ) -> ChainVertices:
     """Walk the chains of a batch: from the emitters, or from what a base field lacks."""
+    if not variant.chains:
+        return no_vertices(world.channels)
     if base is None:
         return emission_chains(world, chains, seed=seed)
     return defect_chains(world, base, chains, seed=seed)
@@ -141,6 +148,7 @@ def _estimate_block(
     receivers: Receivers,
     vertices: ChainVertices,
     effort: Effort,
+    variant: Variant,
     doubling: int,
     seed: tuple[int, int],
     base: BaseField | None,
@@ -148,11 +156,13 @@ def _estimate_block(
 ) -> Batch:
     """Let chains, emitters and near surfaces light one block of receivers."""
     times = [perf_counter()]
-    chains = local_estimate(world, receivers, vertices=vertices, bound=effort.bound)
+    chains = chain_light(
+        world, receivers, vertices, variant, bound=effort.bound, seed=(*seed, DISC, doubling)
+    )
     times.append(perf_counter())
     direct, direct_rays = _direct(world, receivers, effort, doubling, (*seed, DIRECT))
     times.append(perf_counter())
-    near = _near(world, receivers, effort, doubling, (*seed, NEAR), base)
+    near = _near(world, receivers, effort, variant, doubling, (*seed, NEAR), base)
     times.append(perf_counter())
     if detail is not None and receivers.degrees[0] > 0:
         angular = detail.collect(receivers, chains.arrivals + near.arrivals)
@@ -162,6 +172,22 @@ def _estimate_block(
     spent = dict(zip(("kernel", "direct", "near_field", "angular"), np.diff(times).tolist(), strict=True))
     rays = chains.rays + direct_rays + near.rays
     return Batch(direct, chains.moments + near.moments, angular, 0, rays, spent)
+
+
+def chain_light(
+    world: World,
+    receivers: Receivers,
+    vertices: ChainVertices,
+    variant: Variant,
+    *,
+    bound: float,
+    seed: tuple[int, ...],
+) -> LocalEstimate:
+    """Light that chains give receivers: by the bounded or the raw kernel, at them or around them."""
+    bound = variant.chain_bound(bound)
+    if variant.averaged:
+        return averaged_estimate(world, receivers, vertices=vertices, seed=seed)
+    return local_estimate(world, receivers, vertices=vertices, bound=bound)
 
 
 def _direct(
@@ -177,10 +203,28 @@ def _direct(
     return moments, rays
 
 
+def near_light(
+    world: World,
+    receivers: Receivers,
+    samples: Stretch,
+    variant: Variant,
+    *,
+    bound: float,
+    seed: tuple[int, ...],
+    base: BaseField | None,
+) -> LocalEstimate:
+    """Light that rays from the receivers bring, which is what the variant's chains leave out."""
+    if variant.near == "none":
+        return LocalEstimate(np.zeros((len(receivers), MOMENTS, world.channels)), (), 0)
+    bound = variant.near_bound(bound)
+    return LocalEstimate(*near_field(world, receivers, bound=bound, samples=samples, seed=seed, base=base))
+
+
 def _near(
     world: World,
     receivers: Receivers,
     effort: Effort,
+    variant: Variant,
     doubling: int,
     seed: tuple[int, ...],
     base: BaseField | None,
@@ -190,12 +234,10 @@ def _near(
     arrivals: list[Arrivals] = []
     rays = 0
     for part, share, own in _turns(effort.log2_near + receivers.near_doublings, doubling):
-        found, single, traced = near_field(
-            world, receivers[own], bound=effort.bound, samples=part, seed=seed, base=base
-        )
-        moments[own] += share * found
-        arrivals += [_owned(arrival, own, share) for arrival in single]
-        rays += traced
+        found = near_light(world, receivers[own], part, variant, bound=effort.bound, seed=seed, base=base)
+        moments[own] += share * found.moments
+        arrivals += [_owned(arrival, own, share) for arrival in found.arrivals]
+        rays += found.rays
     return LocalEstimate(moments, tuple(arrivals), rays)
 
 

@@ -15,11 +15,20 @@ import numpy as np
 
 from lelight.channels import luminance_weighted
 from lelight.estimate.base import BaseField
-from lelight.estimate.batch import CHAINS, DIRECT, NEAR, Effort, blocks_of, chain_vertices
+from lelight.estimate.batch import (
+    CHAINS,
+    DIRECT,
+    DISC,
+    NEAR,
+    Effort,
+    blocks_of,
+    chain_light,
+    chain_vertices,
+    near_light,
+)
 from lelight.estimate.direct import direct_light
-from lelight.estimate.local import local_estimate
-from lelight.estimate.nearfield import near_field
 from lelight.estimate.replicates import DARK_SHARE
+from lelight.estimate.variants import VARIANTS, Variant
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.sampling import Stretch
@@ -82,6 +91,7 @@ def choose_effort(
     batches: float,
     seed: int,
     executor: Executor,
+    variant: Variant | None = None,
 ) -> tuple[Effort, Receivers]:
     """Pick the effort of a batch such that about so many of them reach ``target``.
 
@@ -97,8 +107,11 @@ def choose_effort(
     effort : of one batch
     receivers : the same, each with its own share of the samples
     """
-    bound = _best_bound(world, receivers, base, areas, seed, executor)
-    spread = _spread(world, receivers, base, bound, areas, seed, executor)
+    variant = variant or VARIANTS["base" if base is not None else "emitters"]
+    bound = bound_for(world.area, 1024.0)
+    if variant.near == "rest":
+        bound = _best_bound(world, receivers, base, variant, areas, seed, executor)
+    spread = _spread(world, receivers, base, variant, bound, areas, seed, executor)
     direct, near = _doublings(spread.variance[1]), _doublings(spread.variance[2])
     variance, cost = spread.shared_out(direct, near, areas)
     samples = _samples(variance, cost, target)
@@ -118,6 +131,7 @@ def _best_bound(
     world: World,
     receivers: Receivers,
     base: BaseField | None,
+    variant: Variant,
     areas: FloatArray,
     seed: int,
     executor: Executor,
@@ -130,7 +144,7 @@ def _best_bound(
     bounds = [factor * bound_for(world.area, 1024.0) for factor in factors]
     work = []
     for bound in bounds:
-        spread = _spread(world, few, base, bound, areas[chosen], seed, executor)
+        spread = _spread(world, few, base, variant, bound, areas[chosen], seed, executor)
         direct, near = _doublings(spread.variance[1]), _doublings(spread.variance[2])
         variance, cost = spread.shared_out(direct, near, areas[chosen])
         work.append(float(np.sqrt(variance * cost).sum()))
@@ -157,6 +171,7 @@ def _spread(
     world: World,
     receivers: Receivers,
     base: BaseField | None,
+    variant: Variant,
     bound: float,
     areas: FloatArray,
     seed: int,
@@ -164,31 +179,27 @@ def _spread(
 ) -> Spread:
     """Try a few small batches at all receivers."""
     chains = [
-        chain_vertices(world, base, Stretch.of(TRIAL[0]), seed=(seed, TRIAL_SEED + k, CHAINS))
+        chain_vertices(world, base, Stretch.of(TRIAL[0]), variant, seed=(seed, TRIAL_SEED + k, CHAINS))
         for k in range(TRIALS)
     ]
     light = np.zeros((TRIALS, len(TRIAL), len(receivers)))
     rays = np.zeros(len(TRIAL))
 
+    one_stretch = Stretch.of(TRIAL[2])
+
     def try_block(block: IntArray) -> FloatArray:
         spent = np.zeros(len(TRIAL))
         for k, vertices in enumerate(chains):
             own = receivers[block]
-            of_chains = local_estimate(world, own, vertices=vertices, bound=bound)
+            trial = (seed, TRIAL_SEED + k)
+            of_chains = chain_light(world, own, vertices, variant, bound=bound, seed=(*trial, DISC))
             direct, direct_rays = direct_light(
-                world, own, samples=Stretch.of(TRIAL[1]), seed=(seed, TRIAL_SEED + k, DIRECT)
+                world, own, samples=Stretch.of(TRIAL[1]), seed=(*trial, DIRECT)
             )
-            near, _, near_rays = near_field(
-                world,
-                own,
-                bound=bound,
-                samples=Stretch.of(TRIAL[2]),
-                seed=(seed, TRIAL_SEED + k, NEAR),
-                base=base,
-            )
-            for part, moments in enumerate((of_chains.moments, direct, near)):
+            near = near_light(world, own, one_stretch, variant, bound=bound, seed=(*trial, NEAR), base=base)
+            for part, moments in enumerate((of_chains.moments, direct, near.moments)):
                 light[k, part, block] = luminance_weighted(moments[:, ILLUMINANCE])
-            spent += np.array([of_chains.rays, INCOHERENT_COST * direct_rays, INCOHERENT_COST * near_rays])
+            spent += np.array([of_chains.rays, INCOHERENT_COST * direct_rays, INCOHERENT_COST * near.rays])
         return spent
 
     for spent in executor.map(try_block, list(blocks_of(receivers.degrees))):

@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from lelight.estimate.variants import Estimator
 from lelight.metrics.grid import cell_counts
 from lelight.reading.quantities import (
     Colour,
@@ -151,7 +152,7 @@ class CalcTable(Table):
     edge: Length | None = None
     seed: Annotated[int, Field(ge=0, lt=2**63)] | None = None
     threads: Count | None = None
-    estimator: Literal["base", "emitters"] | None = None
+    estimator: Estimator | None = None
     batches: Annotated[Count, Field(ge=2)] | None = None
     directions: Annotated[int, Field(ge=16, le=2**16)] | None = None
 
