@@ -154,6 +154,6 @@ def mesh_statement(run: Calculation) -> str:
     if found is None:
         return f"{text}."
     return (
-        f"{text}; at {found.probes} points between them they are off by {found.rms:.2%} of the mean (root mean square), "
-        f"{found.mean:+.2%} ± {found.mean_std_error:.2%} on average."
+        f"{text}; at {found.probes} points between them they are off by {found.rms:.2%} of the mean "
+        f"(root mean square), {found.mean:+.2%} ± {found.mean_std_error:.2%} on average."
     )

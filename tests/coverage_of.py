@@ -1,0 +1,101 @@
+"""How often nominal 95 % intervals hold the truth, over many seeds of whole runs.
+
+``python tests/coverage_of.py office --seeds 200 --target 0.03 --edge 0.8`` prints a line for nodes and for the
+mean and the minimum of each plane. What is true is the mean over all other seeds, whose own error widens the
+interval: with 200 seeds by a quarter of a per cent.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from rooms import grey, lit, panel
+from scipy.special import stdtrit
+from shapes import box, placed
+
+from lelight.calculation import Calculation, calculate
+from lelight.metrics.figure import from_replicates
+from lelight.reading.loading import load
+from lelight.scene import FloatArray, MeasuringPlane, Scene
+from lelight.settings import Settings
+
+SCENES = Path(__file__).parents[1] / "scenes"
+STEPS = 6
+
+
+def stairs() -> Scene:
+    """A stairwell 1.2 x 3 x 3 m of six steps 0.3 m wide and 0.2 m high under a panel: corners everywhere."""
+    steps = [
+        placed(box((1.2, 0.3 * (STEPS - k), 0.2)), shift=(0.0, 1.2 + 0.3 * k, 0.2 * k)) for k in range(STEPS)
+    ]
+    lamp = panel((0.4, 0.6, 2.99), (0.0, 0.4, 0.0), (0.4, 0.0, 0.0))
+    shapes = [box((1.2, 3.0, 3.0)), *steps, lamp]
+    walls = [grey(f"surface {k}", 0.6) for k in range(STEPS + 1)]
+    scene = lit(*shapes, materials=[*walls, grey("lamp", 0.5, luminance=2000.0)])
+    landing = MeasuringPlane(
+        "landing", np.array([0.1, 0.1, 0.0]), np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+    )
+    return Scene(**vars(scene) | {"planes": (landing,)})
+
+
+def scene_of(name: str) -> Scene:
+    """A committed scene, or the stairs."""
+    return stairs() if name == "stairs" else load(SCENES / f"{name}.toml")
+
+
+def figures_of(run: Calculation) -> dict[str, tuple[FloatArray, FloatArray, int]]:
+    """Values (k,), standard errors (k,) and degrees of freedom of what a run states."""
+    replicates = run.replicates
+    nodes = np.flatnonzero(~run.field.mesh.hidden)
+    stated = {"nodes": (replicates.mean[nodes], replicates.std_error[nodes], replicates.count - 1)}
+    rules: dict[str, Callable[[FloatArray], float]] = {"mean": np.mean, "minimum": np.min}
+    for plane in run.planes:
+        for name, rule in rules.items():
+            value, error = from_replicates(lambda e, rule=rule: float(rule(e)), plane.replicates)
+            stated[f"{plane.plane.name}: {name}"] = (
+                np.array([value]),
+                np.array([error]),
+                replicates.count - 1,
+            )
+    return stated
+
+
+def coverage(runs: list[tuple[FloatArray, FloatArray, int]]) -> float:
+    """Share of intervals, over all seeds and values, that hold the mean of the other seeds."""
+    values = np.array([value for value, _, _ in runs])
+    count = len(values)
+    others = (values.sum(axis=0) - values) / (count - 1)
+    error_of_others = values.std(axis=0, ddof=1) / np.sqrt(count - 1)
+    held = []
+    for (value, error, freedom), truth in zip(runs, others, strict=True):
+        reach = stdtrit(freedom, 0.975) * np.hypot(error, error_of_others)
+        held.append(np.abs(value - truth) <= reach)
+    return float(np.mean(held))
+
+
+def main() -> None:
+    """Run all seeds and print what was covered."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("--seeds", type=int, default=200)
+    parser.add_argument("--target", type=float, default=0.03)
+    parser.add_argument("--edge", type=float, default=0.8)
+    given = parser.parse_args()
+    scene = scene_of(given.scene)
+    settings = Settings(target=given.target, edge=given.edge, time=600.0)
+    stated = [
+        figures_of(calculate(scene, Settings(**vars(settings) | {"seed": k}))) for k in range(given.seeds)
+    ]
+    # The pilot may find a node buried under one seed and not under another: only what all runs share counts.
+    shared = min(len(run["nodes"][0]) for run in stated)
+    complete = [run for run in stated if len(run["nodes"][0]) == shared]
+    print(f"{given.scene}, target {given.target:.0%}, edge {given.edge} m: {len(complete)} seeds")
+    for name in stated[0]:
+        print(f"  {name}: {coverage([run[name] for run in complete]):.1%}")
+
+
+if __name__ == "__main__":
+    main()
