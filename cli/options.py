@@ -76,6 +76,9 @@ _RUN_OPTIONS = [
     click.option("--method", type=click.Choice(["sh", "grid"]), help="Angular detail of glossy nodes."),
     click.option("--edge", type=edge_length, metavar="LENGTH", help="Edge of the node mesh, m."),
     click.option(
+        "--adaptive", is_flag=True, default=None, help="Refine the mesh at edges of shadows and in spots."
+    ),
+    click.option(
         "--directions", type=click.IntRange(16, MOST_DIRECTIONS), help="Directions of --method grid."
     ),
     click.option(

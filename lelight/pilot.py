@@ -30,6 +30,8 @@ PLACES_PER_SIDE = 4
 FEW_WALKS = (2, 32)
 #: Likewise, from nodes for which those found no light: the far end of a corridor is not the inside of a cupboard.
 MANY_WALKS = (4, 96)
+#: How near a node lies to a surface that it touches, in distances at which rays start.
+TOUCHING = 2.5
 #: Receivers asked at once.
 CHUNK = 512
 
@@ -58,6 +60,21 @@ def buried(world: World, mesh: NodeMesh, *, seed: int, executor: Executor) -> Bo
     dark = ~_reached(world, receivers, FEW_WALKS, (seed, 2), executor)
     dark[dark] = ~_reached(world, receivers[dark], MANY_WALKS, (seed, 3), executor)
     return dark
+
+
+def touching(world: World, mesh: NodeMesh) -> BoolArray:
+    """Nodes (n,) that lie on another surface, as where the front of a cupboard meets the floor.
+
+    Such a node is half in one space and half in the other; what it gets is for rounding to decide.
+    """
+    across = np.cross(mesh.normals, mesh.frames_x)
+    places = world.caster.leave(mesh.positions, mesh.normals)
+    reach = TOUCHING * world.caster.offset
+    touched = np.zeros(len(mesh), dtype=np.bool_)
+    for angle in np.arange(4) * np.pi / 4:
+        way = reach * (np.cos(angle) * mesh.frames_x + np.sin(angle) * across)
+        touched |= ~world.caster.visible(places - way, places + way)
+    return touched
 
 
 def _reached(

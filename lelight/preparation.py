@@ -7,17 +7,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lelight.adaptation import ROUNDS, bent
 from lelight.clock import Clock
 from lelight.errors import SceneError
 from lelight.estimate.base import BaseField, solve_base
 from lelight.estimate.direct import with_clear_share
 from lelight.estimate.variants import VARIANTS
+from lelight.mesh.locate import patch_sides
 from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
 from lelight.mesh.patches import patches
 from lelight.mesh.probes import Probes, draw_probes
+from lelight.mesh.refinement import refine
 from lelight.mesh.remesh import default_edge, remesh
 from lelight.metrics.grid import grid_points
-from lelight.pilot import buried, lit_sides
+from lelight.pilot import buried, lit_sides, touching
 from lelight.plan import Decision, Plan, make_plan
 from lelight.receivers import Receivers, joined, space_receivers, surface_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
@@ -27,6 +30,9 @@ from lelight.tracing.world import World, build_world
 #: Grid points and eyes are few, and figures are taken from each: they sample so many doublings more than
 #: nodes.
 PLANE_DOUBLINGS, EYE_DOUBLINGS = 2, 6
+
+#: Bisections that halve the edges of a triangle.
+CUTS_TO_HALVE = 2
 
 #: Share of the light that all surfaces together must absorb, by area.
 LEAST_ABSORPTION = 1e-3
@@ -67,7 +73,7 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
     world = build_world(scene, plan.channels)
     require_absorption(scene, world)
     lit = lit_sides(scene, world, labels=labels, seed=settings.seed, executor=executor)
-    mesh, lit = _seen_nodes(world, surface, lit, settings, executor)
+    surface, mesh, lit = _adapted(world, surface, lit, labels, settings, executor)
     if not len(mesh):
         raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
     clock.lap("pilot")
@@ -87,16 +93,61 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
     return Stage(world, labels, mesh, receivers, grids, edge, plan, base, probes)
 
 
+def _adapted(
+    world: World,
+    surface: SurfaceMesh,
+    lit: BoolArray,
+    labels: IntArray,
+    settings: Settings,
+    executor: Executor,
+) -> tuple[SurfaceMesh, NodeMesh, BoolArray]:
+    """Place nodes, and refine the mesh under them in rounds where that is asked for."""
+    mesh, seen = _seen_nodes(world, surface, lit, settings, executor)
+    for _ in range(ROUNDS if settings.adaptive else 0):
+        for _ in range(CUTS_TO_HALVE):
+            asked = _asked(world, surface, mesh, seen, labels, settings, executor)
+            if not asked.any():
+                return surface, mesh, seen
+            surface = refine(surface, asked, corners=world.caster.corners, labels=labels)
+            mesh, seen = _seen_nodes(world, surface, lit, settings, executor)
+    return surface, mesh, seen
+
+
+def _asked(
+    world: World,
+    surface: SurfaceMesh,
+    mesh: NodeMesh,
+    seen: BoolArray,
+    labels: IntArray,
+    settings: Settings,
+    executor: Executor,
+) -> BoolArray:
+    """Triangles (m,) of the surface over which light is bent, on either side."""
+    off = bent(world, mesh, labels, tolerance=settings.target_error, seed=settings.seed, executor=executor)
+    own = [np.flatnonzero(seen[surface.triangle_patches, side]) for side in (0, 1)]
+    asked = np.zeros(len(surface.triangles), dtype=np.bool_)
+    asked[np.concatenate(own)[off]] = True
+    return asked
+
+
 def _seen_nodes(
     world: World, surface: SurfaceMesh, lit: BoolArray, settings: Settings, executor: Executor
 ) -> tuple[NodeMesh, BoolArray]:
     """Place nodes on the lit sides (n_patches, 2) and hide the buried; a side with no other is not lit."""
     mesh = node_mesh(surface, lit)
     hidden = buried(world, mesh, seed=settings.seed, executor=executor)
+    hidden |= _spared(mesh, touching(world, mesh) & ~hidden)
     seen = np.zeros_like(lit)
     seen[mesh.patches[~hidden], np.where(mesh.sides[~hidden] > 0, 0, 1)] = True
     kept = seen[mesh.patches, np.where(mesh.sides > 0, 0, 1)]
     return hide(node_mesh(surface, seen), hidden[kept]), seen
+
+
+def _spared(mesh: NodeMesh, mask: BoolArray) -> BoolArray:
+    """Take from the mask (n,) the nodes of patch sides that it would leave with none."""
+    groups = patch_sides(mesh.patches, mesh.sides)
+    left = np.bincount(groups, ~mask)
+    return np.asarray(mask & (left[groups] > 0))
 
 
 def require_absorption(scene: Scene, world: World) -> None:

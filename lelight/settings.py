@@ -51,6 +51,7 @@ class Settings:
     seed : int, of every random number
     threads : int
     batches : int or None; exactly so many replicates, without doubling, instead of a target
+    adaptive : refine the mesh where direct light is not linear over its triangles
     estimator : ``base`` gathers a first field and lets chains carry what it lacks; ``emitters`` lets chains
         from the emitters carry everything; ``paths`` has no chains. They are unbiased, their speed differs.
         The others of `lelight.estimate.variants` are for comparison.
@@ -65,6 +66,7 @@ class Settings:
     seed: int = 0
     threads: int = 0
     batches: int | None = None
+    adaptive: bool = False
     estimator: Estimator = "base"
 
     @property

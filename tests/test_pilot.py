@@ -10,11 +10,13 @@ from rooms import grey, lamp, lit, panel
 from shapes import box, placed
 
 from lelight import pilot
+from lelight.calculation import calculate
 from lelight.mesh.nodes import node_mesh
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import remesh
 from lelight.pilot import buried, lit_sides
 from lelight.scene import triangle_normals
+from lelight.settings import Settings
 from lelight.tracing.world import build_world
 
 THREADS = ThreadPoolExecutor(2)
@@ -166,3 +168,24 @@ def test_the_verdict_does_not_depend_on_the_threads():
         with ThreadPoolExecutor(workers) as executor:
             verdicts.append(buried(world, mesh, seed=4, executor=executor))
     assert np.array_equal(*verdicts)
+
+
+def test_a_node_in_the_plane_of_a_cupboard_s_front_is_hidden_and_its_neighbours_are_not():
+    """A cupboard 1 m wide stands on the floor against a wall; nodes of the floor's grid lie under its edges."""
+    cupboard = placed(box((1.0, 0.5, 1.0)), shift=(1.0, 0.0, 0.0))
+    cupboard = cupboard[0], cupboard[1][:, ::-1]
+    scene = lit(
+        box((4.0, 3.0, 2.5)),
+        cupboard,
+        materials=[grey("walls", 0.5), grey("wood", 0.3)],
+        luminaires=(lamp((2.0, 1.5, 2.0)),),
+    )
+    mesh = calculate(scene, Settings(edge=0.5, batches=2, target=0.5)).field.mesh
+    floor = (mesh.vertices[:, 2] == 0.0) & (mesh.normals[:, 2] == 1.0)
+    x, y = mesh.vertices[:, 0], mesh.vertices[:, 1]
+    in_front = floor & (y == 0.5) & (x >= 1.0) & (x <= 2.0)
+    beside = floor & np.isin(x, [1.0, 2.0]) & (y < 0.5)
+    under = floor & (x > 1.0) & (x < 2.0) & (y < 0.5)
+    assert (in_front.sum(), beside.sum(), under.sum()) == (3, 2, 1)
+    assert mesh.hidden[in_front | beside | under].all()
+    assert not mesh.hidden[floor & ~(in_front | beside | under)].any()

@@ -33,7 +33,7 @@ def bisect(
     parents = np.arange(len(triangles))
     finished: list[tuple[IntArray, IntArray]] = []
     while len(triangles):
-        triangles, lengths = _longest_first(vertices, triangles)
+        triangles, lengths = longest_first(vertices, triangles)
         long = lengths > edge
         finished.append((triangles[~long], parents[~long]))
         triangles, parents = triangles[long], parents[long]
@@ -44,7 +44,7 @@ def bisect(
     return vertices, whole[order], origin[order]
 
 
-def _longest_first(vertices: FloatArray, triangles: IntArray) -> tuple[IntArray, FloatArray]:
+def longest_first(vertices: FloatArray, triangles: IntArray) -> tuple[IntArray, FloatArray]:
     """Turn triangles so that their longest edge leaves corner 0, and measure it (n,).
 
     Equal lengths are told apart by the edge itself, so that two neighbours always agree on which is longer.
@@ -81,13 +81,28 @@ def _cut_round(
 
 def _terminal_cuts(vertices: FloatArray, triangles: IntArray) -> tuple[BoolArray, IntArray, FloatArray]:
     """Choose the triangles to cut (n,), the vertex each gets (cuts,) and the new points (k, 3)."""
-    keys, where = np.unique(edge_keys(*directed_edges(triangles)), return_inverse=True)
-    longest = where.reshape(-1, 3)[:, 0]
-    around = np.bincount(where, minlength=len(keys))
-    claims = np.bincount(longest, minlength=len(keys))
-    terminal = claims == around
+    longest, terminal = terminal_edges(triangles)
     cut = terminal[longest]
     number = np.cumsum(terminal) - 1
     points = np.empty((int(terminal.sum()), 3))
     points[number[longest[cut]]] = vertices[triangles[cut, :2]].mean(axis=1)
     return cut, len(vertices) + number[longest[cut]], points
+
+
+def terminal_edges(triangles: IntArray) -> tuple[IntArray, BoolArray]:
+    """Give edges numbers and find those that are the longest of all triangles around them.
+
+    Parameters
+    ----------
+    triangles : (m, 3) int, as `longest_first` turns them
+
+    Returns
+    -------
+    longest : (m,) int, number of each triangle's longest edge
+    terminal : (edges,) bool
+    """
+    keys, where = np.unique(edge_keys(*directed_edges(triangles)), return_inverse=True)
+    longest = where.reshape(-1, 3)[:, 0]
+    around = np.bincount(where, minlength=len(keys))
+    claims = np.bincount(longest, minlength=len(keys))
+    return longest, claims == around

@@ -153,6 +153,7 @@ class CalcTable(Table):
     seed: Annotated[int, Field(ge=0, lt=2**63)] | None = None
     threads: Count | None = None
     estimator: Estimator | None = None
+    adaptive: bool | None = None
     batches: Annotated[Count, Field(ge=2)] | None = None
     directions: Annotated[int, Field(ge=16, le=2**16)] | None = None
 
