@@ -14,6 +14,7 @@ from lelight.estimate.batch import Effort, estimate_batch
 from lelight.estimate.effort import choose_effort
 from lelight.estimate.replicates import LEAST_BATCHES, ErrorReached, Replicates, error_reached, visible_areas
 from lelight.field import RadianceField
+from lelight.mesh.doubles import without_repeated_faces
 from lelight.mesh.nodes import NodeMesh
 from lelight.outcome import found_at_eyes, found_field, found_on_planes
 from lelight.plan import Plan
@@ -107,6 +108,7 @@ def calc(
 def calculate(scene: Scene, settings: Settings, *, progress: Progress = lambda _: None) -> Calculation:
     """Run all stages; `calc` for those who want more than the field."""
     require_light(scene)
+    scene = without_repeated_faces(scene)
     settings = settings.over(scene.settings)
     clock = Clock()
     with ThreadPoolExecutor(max_workers=settings.workers) as executor:
