@@ -29,7 +29,10 @@ LOG2_DIRECT = 6
 SETTLED = 1e-8
 RESTART, MOST_RESTARTS = 40, 25
 CHUNK = 1024
-TINY = float(np.finfo(np.float64).tiny)
+#: The base holds direct light up to so many times its mean over the surface.
+BRIGHTEST_SPOT = 10.0
+#: A surface this many times brighter still has spots that rays hardly find.
+SPOT = 10.0
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,7 @@ class BaseField:
     lit : (n_patches, 2) bool, sides that receive light
     diffuse : (n_materials, C) float, kd
     materials : (n_t,) int of each traced triangle
+    spots : whether lamps make spots on surfaces, too small and too bright for rays to find
     """
 
     labels: IntArray
@@ -52,6 +56,7 @@ class BaseField:
     lit: BoolArray
     diffuse: FloatArray
     materials: IntArray
+    spots: bool = False
 
     def illuminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
         """Interpolate the field (k, C), lx, at points (k, 3) on traced triangles (k,)."""
@@ -86,12 +91,14 @@ def solve_base(
         executor.map(lambda chunk: _rows(world, locator, receivers[chunk], labels, len(mesh), seed), chunks)
     )
     direct = np.concatenate([part.direct for part in parts])
-    # A node beside a lamp is no measure of its surroundings: they cannot receive more than the lamps send.
-    direct = np.minimum(direct, world.emitters.flux.sum(axis=0) / np.maximum(mesh.areas, TINY)[:, None])
+    # The spot that a close lamp makes is left to the chains, which light leads there; rays would miss it.
+    most = BRIGHTEST_SPOT * np.average(direct, axis=0, weights=mesh.areas)
+    spots = bool(np.any(direct > SPOT * most))
+    direct = np.minimum(direct, most)
     albedo = world.reflectances.diffuse + world.reflectances.specular
     operator = _stacked([part.operator for part in parts], len(mesh))
     illuminance = _solved(operator, direct, albedo[mesh.materials])
-    return BaseField(labels, locator, illuminance, lit, world.reflectances.diffuse, world.materials)
+    return BaseField(labels, locator, illuminance, lit, world.reflectances.diffuse, world.materials, spots)
 
 
 @dataclass(frozen=True)
