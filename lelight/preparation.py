@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lelight.clock import Clock
+from lelight.crowding import crowded, require_clear_emitters, require_room
 from lelight.errors import SceneError
 from lelight.estimate.base import BaseField, solve_base
 from lelight.estimate.direct import with_clear_share
+from lelight.mesh.grading import graded
 from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import default_edge, remesh
@@ -28,6 +30,14 @@ PLANE_DOUBLINGS, EYE_DOUBLINGS = 2, 6
 
 #: Share of the light that all surfaces together must absorb, by area.
 LEAST_ABSORPTION = 1e-3
+
+#: Said of lamps that make a spot on a surface close to them.
+SPOTS = Decision(
+    "spots of close lamps",
+    "left to chains from the lamps, near fields kept small",
+    "a lamp is so close to a surface that nearly all it receives falls on a spot; paths find that by chance "
+    "only, so light close to edges may be a little low",
+)
 
 
 @dataclass(frozen=True)
@@ -58,12 +68,13 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
     plan = make_plan(scene, method=settings.method)
     labels = patches(scene)
     edge = settings.edge or default_edge(scene) * settings.values.edge_scale
-    surface = remesh(scene, labels, edge=edge)
+    surface = graded(remesh(scene, labels, edge=edge), scene)
     clock.lap("remesh")
     world = build_world(scene, plan.channels)
     require_absorption(scene, world)
+    require_clear_emitters(scene, world)
     lit = lit_sides(scene, world, labels=labels, seed=settings.seed, executor=executor)
-    mesh, lit = _seen_nodes(world, surface, lit, settings, executor)
+    mesh, lit = _seen_nodes(scene, world, surface, labels, lit, settings, executor)
     if not len(mesh):
         raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
     clock.lap("pilot")
@@ -78,16 +89,27 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
     if settings.estimator == "base":
         nodes = receivers[slice(0, len(mesh))]
         base = solve_base(world, mesh, nodes, labels=labels, lit=lit, seed=settings.seed, executor=executor)
+        if base.spots:
+            plan = replace(plan, decisions=(*plan.decisions, SPOTS))
     clock.lap("base")
     return Stage(world, labels, mesh, receivers, grids, edge, plan, base)
 
 
 def _seen_nodes(
-    world: World, surface: SurfaceMesh, lit: BoolArray, settings: Settings, executor: Executor
+    scene: Scene,
+    world: World,
+    surface: SurfaceMesh,
+    labels: IntArray,
+    lit: BoolArray,
+    settings: Settings,
+    executor: Executor,
 ) -> tuple[NodeMesh, BoolArray]:
-    """Place nodes on the lit sides (n_patches, 2) and hide the buried; a side with no other is not lit."""
+    """Place nodes on the lit sides (n_patches, 2), hide the buried and crowded; a side with no other is not lit."""
     mesh = node_mesh(surface, lit)
     hidden = buried(world, mesh, seed=settings.seed, executor=executor)
+    taken = crowded(world, mesh, labels)
+    require_room(scene, world, hide(mesh, hidden), taken)
+    hidden |= taken
     seen = np.zeros_like(lit)
     seen[mesh.patches[~hidden], np.where(mesh.sides[~hidden] > 0, 0, 1)] = True
     kept = seen[mesh.patches, np.where(mesh.sides > 0, 0, 1)]
@@ -99,7 +121,7 @@ def require_absorption(scene: Scene, world: World) -> None:
     albedo = world.reflectances.diffuse_share + world.reflectances.specular_share
     areas = triangle_areas(scene.corners)
     absorbed = 1.0 - float(np.average(albedo[scene.triangle_materials], weights=areas))
-    if absorbed < LEAST_ABSORPTION:
+    if absorbed < LEAST_ABSORPTION * (1.0 - 1e-9):
         raise SceneError(
             f"{scene.name}: surfaces absorb {absorbed:.2g} of the light, at least {LEAST_ABSORPTION:g} is needed "
             "for an end; lower the reflectances"
