@@ -17,6 +17,7 @@ from lelight.estimate.replicates import ErrorReached, Replicates, error_reached,
 from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
 from lelight.estimate.variants import VARIANTS
 from lelight.field import RadianceField
+from lelight.mesh.doubles import without_repeated_faces
 from lelight.mesh.nodes import NodeMesh
 from lelight.outcome import found_at_eyes, found_at_probes, found_field, found_on_planes
 from lelight.plan import Plan
@@ -119,6 +120,7 @@ def calc(
 def calculate(scene: Scene, settings: Settings, *, progress: Progress = lambda _: None) -> Calculation:
     """Run all stages; `calc` for those who want more than the field."""
     require_light(scene)
+    scene = without_repeated_faces(scene)
     settings = settings.over(scene.settings)
     clock = Clock()
     with ThreadPoolExecutor(max_workers=settings.workers) as executor:

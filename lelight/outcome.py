@@ -24,9 +24,11 @@ def found_field(
     total = direct + replicates.indirect[nodes] / replicates.count
     # An unbiased estimate of almost nothing may come out below zero; light does not.
     total[:, [ILLUMINANCE, SCALAR]] = np.maximum(total[:, [ILLUMINANCE, SCALAR]], 0.0)
+    # A hidden node is not there: what was found behind the wall or under the cupboard is nobody's light.
+    total[stage.mesh.hidden], direct[stage.mesh.hidden] = 0.0, 0.0
     values = NodeValues(
         illuminance=total[:, ILLUMINANCE],
-        std_error=replicates.std_error[nodes],
+        std_error=np.where(stage.mesh.hidden, 0.0, replicates.std_error[nodes]),
         direct=np.maximum(direct[:, ILLUMINANCE], 0.0),
         scalar_illuminance=total[:, SCALAR],
         light_vector=total[:, VECTOR : VECTOR + 3],
@@ -74,9 +76,9 @@ def found_on_planes(scene: Scene, stage: Stage, replicates: Replicates) -> tuple
                 plane=plane,
                 shape=shape,
                 points=points,
-                illuminance=replicates.mean[at],
+                illuminance=np.maximum(replicates.mean[at], 0.0),
                 std_error=replicates.std_error[at],
-                cylindrical=by_batch[:, own, CYLINDRICAL].mean(axis=0),
+                cylindrical=np.maximum(by_batch[:, own, CYLINDRICAL].mean(axis=0), 0.0),
                 replicates=by_batch[:, own, ILLUMINANCE],
                 cylindrical_replicates=by_batch[:, own, CYLINDRICAL],
             )

@@ -32,6 +32,9 @@ FEW_WALKS = (2, 32)
 MANY_WALKS = (4, 96)
 #: How near a node lies to a surface that it touches, in distances at which rays start.
 TOUCHING = 2.5
+#: Shadow rays to the emitters, as power of two, from places that no walk found light for: a slit as wide as a
+#: pixel lets one of a few hundred through.
+LOG2_SLIT_RAYS = 10
 #: Receivers asked at once.
 CHUNK = 512
 
@@ -49,8 +52,14 @@ def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int, execut
     patches, sides = np.nonzero(~lit)
     if len(patches):
         places, owner = _places(scene, labels, patches, sides, seed)
-        found = owner[_reached(world, places, FEW_WALKS, (seed, 1), executor)]
+        reached = _reached(world, places, FEW_WALKS, (seed, 1), executor)
+        reached[~reached] = _seen_through_slits(world, places[~reached], (seed, 4), executor)
+        found = owner[reached]
         lit[patches[found], sides[found]] = True
+    # The back of a face that lies back to back with another is the other's front.
+    open_back = np.zeros(len(lit), dtype=np.bool_)
+    open_back[labels[world.caster.backs < 0]] = True
+    lit[:, 1] &= open_back
     return lit
 
 
@@ -59,6 +68,7 @@ def buried(world: World, mesh: NodeMesh, *, seed: int, executor: Executor) -> Bo
     receivers = surface_receivers(mesh, np.zeros(int(mesh.materials.max(initial=0)) + 1, dtype=np.int64))
     dark = ~_reached(world, receivers, FEW_WALKS, (seed, 2), executor)
     dark[dark] = ~_reached(world, receivers[dark], MANY_WALKS, (seed, 3), executor)
+    dark[dark] = ~_seen_through_slits(world, receivers[dark], (seed, 5), executor)
     return dark
 
 
@@ -75,6 +85,16 @@ def touching(world: World, mesh: NodeMesh) -> BoolArray:
         way = reach * (np.cos(angle) * mesh.frames_x + np.sin(angle) * across)
         touched |= ~world.caster.visible(places - way, places + way)
     return touched
+
+
+def _seen_through_slits(
+    world: World, receivers: Receivers, seed: tuple[int, ...], executor: Executor
+) -> BoolArray:
+    """Say from which surface receivers (r,) any of many points of the emitters is in sight."""
+    size = max(1, CHUNK >> LOG2_SLIT_RAYS // 2)
+    chunks = [receivers[slice(first, first + size)] for first in range(0, len(receivers), size)]
+    ask = partial(_sees_emitter, world, seed=seed, log2_samples=LOG2_SLIT_RAYS)
+    return np.concatenate([np.zeros(0, dtype=np.bool_), *executor.map(ask, chunks)])
 
 
 def _reached(
@@ -121,9 +141,11 @@ def _onward(world: World, walkers: Paths, numbers: FloatArray) -> Paths:
     return meet(world, walkers.number, origins, directions, walkers.throughput)[0]
 
 
-def _sees_emitter(world: World, receivers: Receivers, seed: tuple[int, ...]) -> BoolArray:
+def _sees_emitter(
+    world: World, receivers: Receivers, seed: tuple[int, ...], *, log2_samples: int = 0
+) -> BoolArray:
     """Say from which surface receivers (r,) a drawn point of an emitter is in sight."""
-    moments, _ = direct_light(world, receivers, samples=Stretch.of(0), seed=seed)
+    moments, _ = direct_light(world, receivers, samples=Stretch.of(log2_samples), seed=seed)
     return np.asarray(moments[:, ILLUMINANCE].max(axis=1) > 0.0)
 
 

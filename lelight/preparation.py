@@ -9,10 +9,12 @@ import numpy as np
 
 from lelight.adaptation import ROUNDS, bent
 from lelight.clock import Clock
+from lelight.crowding import crowded, require_clear_emitters, require_room
 from lelight.errors import SceneError
 from lelight.estimate.base import BaseField, solve_base
 from lelight.estimate.direct import with_clear_share
 from lelight.estimate.variants import VARIANTS
+from lelight.mesh.grading import graded
 from lelight.mesh.locate import patch_sides
 from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
 from lelight.mesh.patches import patches
@@ -36,6 +38,14 @@ CUTS_TO_HALVE = 2
 
 #: Share of the light that all surfaces together must absorb, by area.
 LEAST_ABSORPTION = 1e-3
+
+#: Said of lamps that make a spot on a surface close to them.
+SPOTS = Decision(
+    "spots of close lamps",
+    "left to chains from the lamps, near fields kept small",
+    "a lamp is so close to a surface that nearly all it receives falls on a spot; paths find that by chance "
+    "only, so light close to edges may be a little low",
+)
 
 
 @dataclass(frozen=True)
@@ -68,12 +78,13 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
     plan = make_plan(scene, method=settings.method)
     labels = patches(scene)
     edge = settings.edge or default_edge(scene) * settings.values.edge_scale
-    surface = remesh(scene, labels, edge=edge)
+    surface = graded(remesh(scene, labels, edge=edge), scene, labels)
     clock.lap("remesh")
     world = build_world(scene, plan.channels)
     require_absorption(scene, world)
+    require_clear_emitters(scene, world)
     lit = lit_sides(scene, world, labels=labels, seed=settings.seed, executor=executor)
-    surface, mesh, lit = _adapted(world, surface, lit, labels, settings, executor)
+    surface, mesh, lit = _adapted(scene, world, surface, lit, labels, settings, executor)
     if not len(mesh):
         raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
     clock.lap("pilot")
@@ -89,11 +100,14 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
     if VARIANTS[settings.estimator].on_base:
         nodes = receivers[slice(0, len(mesh))]
         base = solve_base(world, mesh, nodes, labels=labels, lit=lit, seed=settings.seed, executor=executor)
+        if base.spots:
+            plan = replace(plan, decisions=(*plan.decisions, SPOTS))
     clock.lap("base")
     return Stage(world, labels, mesh, receivers, grids, edge, plan, base, probes)
 
 
 def _adapted(
+    scene: Scene,
     world: World,
     surface: SurfaceMesh,
     lit: BoolArray,
@@ -102,14 +116,14 @@ def _adapted(
     executor: Executor,
 ) -> tuple[SurfaceMesh, NodeMesh, BoolArray]:
     """Place nodes, and refine the mesh under them in rounds where that is asked for."""
-    mesh, seen = _seen_nodes(world, surface, lit, settings, executor)
+    mesh, seen = _seen_nodes(scene, world, surface, labels, lit, settings, executor)
     for _ in range(ROUNDS if settings.adaptive else 0):
         for _ in range(CUTS_TO_HALVE):
             asked = _asked(world, surface, mesh, seen, labels, settings, executor)
             if not asked.any():
                 return surface, mesh, seen
             surface = refine(surface, asked, corners=world.caster.corners, labels=labels)
-            mesh, seen = _seen_nodes(world, surface, lit, settings, executor)
+            mesh, seen = _seen_nodes(scene, world, surface, labels, lit, settings, executor)
     return surface, mesh, seen
 
 
@@ -131,12 +145,21 @@ def _asked(
 
 
 def _seen_nodes(
-    world: World, surface: SurfaceMesh, lit: BoolArray, settings: Settings, executor: Executor
+    scene: Scene,
+    world: World,
+    surface: SurfaceMesh,
+    labels: IntArray,
+    lit: BoolArray,
+    settings: Settings,
+    executor: Executor,
 ) -> tuple[NodeMesh, BoolArray]:
-    """Place nodes on the lit sides (n_patches, 2) and hide the buried; a side with no other is not lit."""
+    """Place nodes on the lit sides (n_patches, 2), hide the buried and crowded; a side with no other is not lit."""
     mesh = node_mesh(surface, lit)
     hidden = buried(world, mesh, seed=settings.seed, executor=executor)
     hidden |= _spared(mesh, touching(world, mesh) & ~hidden)
+    taken = crowded(world, mesh, labels)
+    require_room(scene, world, hide(mesh, hidden), taken)
+    hidden |= taken
     seen = np.zeros_like(lit)
     seen[mesh.patches[~hidden], np.where(mesh.sides[~hidden] > 0, 0, 1)] = True
     kept = seen[mesh.patches, np.where(mesh.sides > 0, 0, 1)]
@@ -155,7 +178,7 @@ def require_absorption(scene: Scene, world: World) -> None:
     albedo = world.reflectances.diffuse_share + world.reflectances.specular_share
     areas = triangle_areas(scene.corners)
     absorbed = 1.0 - float(np.average(albedo[scene.triangle_materials], weights=areas))
-    if absorbed < LEAST_ABSORPTION:
+    if absorbed < LEAST_ABSORPTION * (1.0 - 1e-9):
         raise SceneError(
             f"{scene.name}: surfaces absorb {absorbed:.2g} of the light, at least {LEAST_ABSORPTION:g} is needed "
             "for an end; lower the reflectances"

@@ -6,6 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
+from lelight.mesh.grading import graded
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import default_edge, remesh
 from lelight.pipelines.beginning import begin
@@ -49,7 +50,8 @@ def run_check(scene_path: Path, *, settings: Settings, given: Collection[str] = 
     settings = settings.over(scene.settings)
     plan = make_plan(scene, method=settings.method)
     edge = settings.edge or default_edge(scene) * settings.values.edge_scale
-    nodes = len(remesh(scene, patches(scene), edge=edge).vertices)
+    labels = patches(scene)
+    nodes = len(graded(remesh(scene, labels, edge=edge), scene, labels).vertices)
     rays = nodes * RAYS_AT_UNIT_ERROR / settings.target_error**2
     detail = 8 * (plan.degree + 1) ** 2 * plan.channels * 3
     return Check(

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lelight.estimate.base import BaseField
-from lelight.estimate.direct import direct_light
+from lelight.estimate.direct import drawn_illuminance, illuminance_and_density
 from lelight.estimate.nearfield import near_field
 from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, triangle_areas
@@ -37,7 +37,7 @@ LOG2_DEFECT_RAYS = 6
 #: Share of starts on sides that the pilot walk found dark, in case it missed something.
 DARK_SHARE = 0.1
 #: Parts of a seed.
-STARTS, GLOSS, DEFECT_DIRECT, DEFECT_GATHER = 11, 12, 13, 14
+STARTS, GLOSS, DEFECT_DIRECT, DEFECT_GATHER, BY_LIGHT = 11, 12, 13, 14, 15
 
 
 @dataclass(frozen=True)
@@ -76,24 +76,84 @@ def _diffuse(world: World) -> bool:
 
 
 def _lambertian(world: World, base: BaseField, chains: Stretch, *, seed: tuple[int, ...]) -> ChainVertices:
-    """Chains from surface points, by the defect of the base there."""
-    points = chain_numbers(chains, seed=seed)
+    """Chains from the defect of the base, their starts drawn twice: over the surface, and by the light itself.
+
+    Over the surface alone, the spot that a lamp close to a wall makes would hardly ever be met. Both ways are
+    weighed by the balance heuristic over pairs of lamp point z and surface point y. With g(z, y) the light sent,
+    q(z | y) and a(y) the densities of drawing a lamp point from y and y over the surface, and g / flux that of
+    light falling from z on y, a pair stands for (g + rest q) / (a q + g / flux), rest being the defect but for
+    its direct light. That is bounded, however close the lamp.
+    """
+    points, more = chain_numbers(chains, seed=seed), chain_numbers(chains, seed=(*seed, BY_LIGHT))
+    seed = (*seed, chains.first)
+    starts = (_over_surface(world, base, points, seed), _by_light(world, base, more, (*seed, BY_LIGHT)))
+    first = joined([vertices for vertices, _ in starts])
+    chain = np.concatenate([starts[0][1], len(points) + starts[1][1]])
+    return walk_on(world, first, chain=chain, points=np.concatenate([points, more]), seed=seed)
+
+
+def _over_surface(
+    world: World, base: BaseField, points: FloatArray, seed: tuple[int, ...]
+) -> tuple[ChainVertices, IntArray]:
+    """Draw starts over the surface; also which row of ``points`` each is."""
     start, area = _surface_points(world, base, points)
+    rest = _rest_of_defect(world, base, start, (*seed, DEFECT_GATHER))
     receivers = with_surface(space_receivers(start.points, start.normals))
-    samples, seed = Stretch.of(LOG2_DEFECT_RAYS), (*seed, chains.first)
-    direct, _ = direct_light(world, receivers, samples=samples, seed=(*seed, DEFECT_DIRECT))
+    owner, light = drawn_illuminance(
+        world, receivers, samples=Stretch.of(LOG2_DEFECT_RAYS), seed=(*seed, DEFECT_DIRECT)
+    )
+    draws = 2**LOG2_DEFECT_RAYS
+    weight = 1.0 / (1.0 + area[owner] * (light @ world.emitters.weights) / world.emitters.power.sum())
+    # Draws that found no lamp stand for the rest alone, with their whole weight.
+    defect = rest * (1.0 - np.bincount(owner, minlength=len(points)) / draws)[:, None]
+    np.add.at(defect, owner, (light + rest[owner]) * weight[:, None] / draws)
+    return start.with_flux(defect * (area / len(points))[:, None]), np.arange(len(points))
+
+
+def _by_light(
+    world: World, base: BaseField, points: FloatArray, seed: tuple[int, ...]
+) -> tuple[ChainVertices, IntArray]:
+    """Start where light from the emitters falls; also which row of ``points`` each is."""
+    emitters = world.emitters
+    origins, directions, flux = emit(emitters, points, world.caster.offset)
+    start, alive = arrive(world, origins, directions, flux / len(points))
+    density = _surface_density(world, base)[start.triangles, np.where(start.front, 0, 1)]
+    met = np.flatnonzero(density > 0.0)
+    start, alive, density = start[met].with_lobes(DIFFUSE_LOBE), alive[met], density[met]
+    rest = _rest_of_defect(world, base, start, (*seed, DEFECT_GATHER))
+    last = len(emitters.power) - 1
+    sources = np.minimum(np.searchsorted(emitters.power_cdf, points[alive, 0], side="right"), last)
+    light, drawn = illuminance_and_density(world, sources, start.points, start.normals, start.incoming)
+    both_ways = density * drawn + light @ emitters.weights / emitters.power.sum()
+    pair = np.divide(
+        light + rest * drawn[:, None],
+        both_ways[:, None],
+        out=np.zeros_like(light),
+        where=both_ways[:, None] > 0,
+    )
+    return start.with_flux(pair / len(points)), alive
+
+
+def _rest_of_defect(world: World, base: BaseField, start: ChainVertices, seed: tuple[int, ...]) -> FloatArray:
+    """Illuminance (k, C) that the base gives at places, gathered, less what it says of them."""
     gathered, _, _ = near_field(
         world,
-        receivers,
+        with_surface(space_receivers(start.points, start.normals)),
         bound=math.inf,
-        samples=samples,
-        seed=(*seed, DEFECT_GATHER),
+        samples=Stretch.of(LOG2_DEFECT_RAYS),
+        seed=seed,
         base=base,
     )
-    assumed = base.illuminance_at(start.triangles, start.points, start.front)
-    defect = direct[:, ILLUMINANCE] + gathered[:, ILLUMINANCE] - assumed
-    first = start.with_flux(defect * (area / len(points))[:, None])
-    return walk_on(world, first, chain=np.arange(len(points)), points=points, seed=seed)
+    return gathered[:, ILLUMINANCE] - base.illuminance_at(start.triangles, start.points, start.front)
+
+
+def _surface_density(world: World, base: BaseField) -> FloatArray:
+    """Density (n_t, 2) in 1/m² with which starts are drawn over the fronts and backs of the triangles."""
+    faces = _faces(world, base)
+    density = np.zeros((len(world.materials), 2))
+    areas = triangle_areas(world.caster.corners)[faces.triangle]
+    density[faces.triangle, np.where(faces.side > 0, 0, 1)] = faces.probability / areas
+    return density
 
 
 def _surface_points(world: World, base: BaseField, numbers: FloatArray) -> tuple[ChainVertices, FloatArray]:
@@ -122,7 +182,8 @@ def _surface_points(world: World, base: BaseField, numbers: FloatArray) -> tuple
 def _faces(world: World, base: BaseField) -> _Faces:
     """Sides of all triangles that reflect diffusely, by area and albedo; dark ones more rarely."""
     albedo = world.reflectances.diffuse_share[world.materials]
-    weight = np.concatenate([triangle_areas(world.caster.corners) * albedo] * 2)
+    fronts = triangle_areas(world.caster.corners) * albedo
+    weight = np.concatenate([fronts, np.where(world.caster.backs < 0, fronts, 0.0)])
     lit = base.lit[base.labels].T.ravel()
     weight = np.where(lit, weight, _share_of_dark(weight, lit) * weight)
     count = len(world.materials)
@@ -135,9 +196,11 @@ def _faces(world: World, base: BaseField) -> _Faces:
 
 
 def _share_of_dark(weight: FloatArray, lit: BoolArray) -> float:
-    """Factor that gives the dark sides together their share."""
-    dark = float(weight[~lit].sum())
-    return DARK_SHARE / (1.0 - DARK_SHARE) * float(weight[lit].sum()) / dark if dark > 0 else 0.0
+    """Factor that gives the dark sides together their share; 1 where all that reflects is dark."""
+    dark, bright = float(weight[~lit].sum()), float(weight[lit].sum())
+    if not bright > 0.0:
+        return 1.0
+    return DARK_SHARE / (1.0 - DARK_SHARE) * bright / dark if dark > 0 else 0.0
 
 
 def _glossy(world: World, base: BaseField, chains: Stretch, *, seed: tuple[int, ...]) -> ChainVertices:

@@ -28,6 +28,7 @@ from lelight.tracing.emitters import (
     unshadowed,
 )
 from lelight.tracing.sampling import Stretch, mix, rotated, sobol, uniform
+from lelight.tracing.triangles import triangle_density
 from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
@@ -54,6 +55,72 @@ def direct_light(
     add_arrivals(moments, owner[clear], drawn.arrivals.directions[clear], receivers.normals, light[clear])
     _correct(moments, receivers, drawn, light)
     return moments, len(owner)
+
+
+def drawn_illuminance(
+    world: World, receivers: Receivers, *, samples: Stretch, seed: tuple[int, ...]
+) -> tuple[IntArray, FloatArray]:
+    """Draws that found a source in sight: receiver (k,) and the illuminance (k, C) in lx that one stands for.
+
+    The mean of all draws, those that found nothing as zero, is the direct illuminance.
+    """
+    drawn = _draw(world, receivers, sobol(3, samples, seed=seed), hash_of(seed))
+    clear = world.caster.visible(drawn.origins, drawn.ends)
+    owner, directions = drawn.arrivals.receiver[clear], drawn.arrivals.directions[clear]
+    cosine = np.maximum(np.einsum("kx,kx->k", directions, receivers.normals[owner]), 0.0)
+    return owner, drawn.arrivals.radiance_solid_angle[clear] * cosine[:, None]
+
+
+def illuminance_and_density(
+    world: World, sources: IntArray, points: FloatArray, normals: FloatArray, directions: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Light that sources (k,) send to surface points (k, 3), and the density of drawing it from there.
+
+    Parameters
+    ----------
+    directions : (k, 3) float, unit, from the points to where on its source the light comes from
+
+    Returns
+    -------
+    illuminance : (k, C) float; lx per sr for a triangle, lx for a point source
+    density : (k,) float; 1/sr for a triangle, 1 for a point: `drawn_illuminance` is one over the other
+    """
+    illuminance, density = np.zeros((len(sources), world.channels)), np.zeros(len(sources))
+    _weigh_sources(world.emitters, sources, points, normals, directions, illuminance, density)
+    return illuminance, density
+
+
+@njit(**_COMPILED)
+def _weigh_sources(
+    emitters: Emitters,
+    sources: IntArray,
+    points: FloatArray,
+    normals: FloatArray,
+    directions: FloatArray,
+    illuminance: FloatArray,
+    density: FloatArray,
+) -> None:
+    cdf = np.empty(len(emitters.power))
+    triangles = len(emitters.areas)
+    for k in range(len(sources)):
+        s = sources[k]
+        x, y, z = points[k]
+        nx, ny, nz = normals[k]
+        dx, dy, dz = directions[k]
+        factor = max(0.0, dx * nx + dy * ny + dz * nz)
+        share = 0.0
+        if choice_cdf(emitters, x, y, z, nx, ny, nz, True, cdf):
+            share = cdf[s] - (cdf[s - 1] if s > 0 else 0.0)
+        if s < triangles:
+            corners, normal, area = emitters.corners[s], emitters.normals[s], emitters.areas[s]
+            density[k] = share * triangle_density(corners, normal, area, x, y, z, (dx, dy, dz))
+        else:
+            away = emitters.positions[s - triangles] - points[k]
+            square = away[0] * away[0] + away[1] * away[1] + away[2] * away[2]
+            factor /= max(square, 1e-300)
+            density[k] = share
+        for c in range(illuminance.shape[1]):
+            illuminance[k, c] = source_strength(emitters, s, c) * factor
 
 
 def with_clear_share(world: World, receivers: Receivers, *, seed: tuple[int, ...]) -> Receivers:

@@ -47,6 +47,8 @@ CAUTION = 0.5
 #: Bounds of the split that are tried, against that of 1024 chains, and receivers they are tried on.
 BOUNDS_ON_BASE = (0.1, 0.8, 6.4)
 BOUNDS_OF_EMITTERS = (0.8, 6.4)
+#: Likewise where lamps make spots on surfaces: chains start there, and paths of the near field miss them.
+BOUNDS_WITH_SPOTS = (6.4, 51.2)
 BOUND_RECEIVERS = 256
 #: Least samples of the parts in a batch, and most, as powers of two.
 LEAST, MOST = (5, 2, 2), 16
@@ -141,6 +143,7 @@ def _best_bound(
     chosen = counting[:: max(1, len(counting) // BOUND_RECEIVERS)]
     few = receivers[chosen]
     factors = BOUNDS_OF_EMITTERS if base is None else BOUNDS_ON_BASE
+    factors = BOUNDS_WITH_SPOTS if base is not None and base.spots else factors
     bounds = [factor * bound_for(world.area, 1024.0) for factor in factors]
     work = []
     for bound in bounds:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lelight.errors import InputError, SceneError
+from lelight.mesh.doubles import without_repeated_faces
 from lelight.reading.fixtures import measuring_planes, observers, point_luminaires
 from lelight.reading.inputfile import file_hash, quoted
 from lelight.reading.mtl import read_mtl
@@ -35,7 +36,7 @@ def load(path: str | Path) -> Scene:
     tables = _scene_tables(scene_path)
     geometry_path = _geometry_path(given, scene_path, tables)
     geometry = read_obj(geometry_path)
-    scene = _scene(given, scene_path, geometry_path, tables, geometry)
+    scene = without_repeated_faces(_scene(given, scene_path, geometry_path, tables, geometry))
     require_light(scene)
     return scene
 

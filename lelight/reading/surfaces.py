@@ -1,4 +1,4 @@
-"""Surfaces of a scene out of an OBJ's geometry: metres, z up, nothing without area, nothing unused."""
+"""Surfaces of a scene out of an OBJ's geometry: metres, z up, nothing without area or twice, nothing unused."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from lelight.errors import SceneError
+from lelight.mesh.doubles import repeated_faces
 from lelight.reading.limits import FARTHEST
 from lelight.reading.obj import ObjGeometry
-from lelight.scene import FloatArray, IntArray, triangle_areas
+from lelight.scene import BoolArray, FloatArray, IntArray, triangle_areas
 
 #: Metres in one unit of the OBJ; the foot and the inch are the international ones of 1959.
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
@@ -62,7 +63,29 @@ def lit_surfaces(path: Path, geometry: ObjGeometry, *, unit: str, up: str) -> Su
     kept = 2 * areas > FLATTEST * longest**2
     if not kept.any():
         raise SceneError(f"{path}: no face has an area; nothing can be lit; check the unit and the export")
-    return _surfaces(vertices, triangles[kept], geometry.triangle_materials[kept], areas[kept], geometry)
+    flat = int(np.count_nonzero(~kept))
+    kept[kept] = ~_repeated(vertices, triangles[kept])
+    repeated = len(kept) - flat - int(np.count_nonzero(kept))
+    return _surfaces(
+        vertices,
+        triangles[kept],
+        geometry.triangle_materials[kept],
+        areas[kept],
+        geometry.material_names,
+        warnings=_left_out(flat, repeated),
+    )
+
+
+def _repeated(vertices: FloatArray, triangles: IntArray) -> BoolArray:
+    """Mark triangles (m,) written twice: left in, a lamp would shine twice and a material would be chance."""
+    none = np.zeros(len(triangles), dtype=np.int64)
+    return repeated_faces(vertices, triangles, none, two_sided=none > 0)
+
+
+def _left_out(flat: int, repeated: int) -> tuple[str, ...]:
+    said = [f"{flat} triangles without area are left out"] * (flat > 0)
+    said += [f"{repeated} faces that lie on an earlier one are left out"] * (repeated > 0)
+    return tuple(said)
 
 
 def z_up(points: FloatArray, up: str) -> FloatArray:
@@ -95,16 +118,17 @@ def _surfaces(
     triangles: IntArray,
     material_indices: IntArray,
     areas: FloatArray,
-    geometry: ObjGeometry,
+    material_names: tuple[str, ...],
+    *,
+    warnings: tuple[str, ...],
 ) -> Surfaces:
     used_vertices, renumbered = _renumbered(triangles, len(vertices))
-    used_materials, materials = _renumbered(material_indices, len(geometry.material_names))
-    dropped = len(geometry.triangles) - len(triangles)
+    used_materials, materials = _renumbered(material_indices, len(material_names))
     return Surfaces(
         vertices=vertices[used_vertices],
         triangles=renumbered,
         triangle_materials=materials,
-        material_names=tuple(geometry.material_names[material] for material in used_materials),
+        material_names=tuple(material_names[material] for material in used_materials),
         material_areas=np.bincount(materials, weights=areas).astype(np.float64),
-        warnings=(f"{dropped} triangles without area are left out",) if dropped else (),
+        warnings=warnings,
     )

@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from lelight.channels import luminance_weights
+from lelight.mesh.doubles import backs
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
 from lelight.tracing.sampling import Vector
 from lelight.tracing.triangles import (
@@ -102,7 +103,8 @@ def collect_emitters(scene: Scene, channels: FloatArray) -> Emitters:
         normals=triangle_normals(corners),
         areas=triangle_areas(corners),
         luminance=material_luminance[materials],
-        both_sides=both[materials],
+        # The back of a face that lies back to back with another is the other's front.
+        both_sides=both[materials] & (backs(scene.vertices, scene.triangles)[emitting] < 0),
         positions=np.array([lamp.position for lamp in scene.luminaires]).reshape(-1, 3),
         intensity=np.array([lamp.intensity for lamp in scene.luminaires]).reshape(-1, 3) @ channels,
         power=np.empty(0),

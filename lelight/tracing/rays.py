@@ -18,6 +18,7 @@ from embreex.rtcore_scene import EmbreeScene
 from numba import njit
 from numpy.typing import NDArray
 
+from lelight.mesh.doubles import backs
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
 
 #: Single precision, in which embree computes.
@@ -61,6 +62,8 @@ class RayCaster:
         self.centre: FloatArray = 0.5 * (low + high)
         self.scale = 2.0 / float(np.max(high - low))
         self.offset = OFFSET_SHARE / self.scale
+        #: (n,) int, the face back to back with each, which reflects on its back's behalf; -1 for none.
+        self.backs: IntArray = backs(vertices, triangles)
         self._insets = np.minimum(self.offset / _least_heights(self.corners), LARGEST_INSET)
         # The device must outlive the scene that it made.
         self._device = EmbreeDevice()
@@ -87,6 +90,7 @@ class RayCaster:
             found["u"],
             found["v"],
             self._insets,
+            self.backs,
             self.corners,
             self.normals,
             origins,
@@ -139,6 +143,7 @@ def _land(
     u: Float32Array,
     v: Float32Array,
     insets: FloatArray,
+    backs: IntArray,
     corners: FloatArray,
     normals: FloatArray,
     origins: FloatArray,
@@ -168,4 +173,6 @@ def _land(
         side = 1.0 if front[k] else -1.0
         for axis in range(3):
             facing[k, axis] = side * normals[t, axis]
+        if not front[k] and backs[t] >= 0:
+            triangles[k], front[k] = backs[t], True
     return triangles, points, facing, front
