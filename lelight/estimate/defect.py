@@ -27,6 +27,7 @@ from lelight.tracing.chains import (
     ChainVertices,
     arrive,
     emit,
+    emitted_housings,
     joined,
     no_vertices,
     walk_on,
@@ -150,13 +151,15 @@ def _glossy(world: World, base: BaseField, *, log2_chains: int, seed: tuple[int,
     """Chains from emitters and the base's own radiance; of their first reflection only gloss is kept."""
     from_emitters = _points(log2_chains, (*seed, 1))
     origins, directions, flux = emit(world.emitters, from_emitters, world.caster.offset)
+    housing = emitted_housings(world.emitters, from_emitters)
     from_base = _points(log2_chains, (*seed, 2))
     if _diffuse(world):
         base_origins, base_directions, base_flux = _emit_base(world, base, from_base)
         origins = np.concatenate([origins, base_origins])
         directions = np.concatenate([directions, base_directions])
         flux = np.concatenate([flux, base_flux])
-    first, alive = arrive(world, origins, directions, flux / len(from_base))
+        housing = np.concatenate([housing, np.zeros(len(base_flux), dtype=np.int64)])
+    first, alive = arrive(world, origins, directions, flux / len(from_base), housing=housing)
     glossy = np.flatnonzero(world.reflectances.specular_share[first.materials] > 0)
     first = first[glossy].with_lobes(SPECULAR_LOBE)
     return walk_on(
