@@ -6,28 +6,42 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 from numpy.typing import NDArray
 
-from lelight.cli.options import SCENE, run_options
-from lelight.pipelines.check import Check, run_check
+from lelight.cli.options import SCENE, NamedPath, run_options
+from lelight.photometry.zones import luminous_flux
+from lelight.pipelines.check import Check, draw_luminaires, run_check
+from lelight.scene import PointLuminaire
 from lelight.settings import Settings
+
+#: Where the plane C0 lies in LM-63 and in EULUMDAT files.
+C0_RULES = ("its C0 is the zero plane of LM-63, along the length", "its C0 lies across the lamp axis")
 
 
 @click.command()
 @SCENE
+@click.option("-o", "--out", type=NamedPath(), help="Folder of layout.svg. Default: SCENE's stem.lelight.")
 @run_options
-def command(scene: Path, **chosen: Any) -> None:
-    """Read SCENE, trace nothing: the plan, the materials, the lint, and what a run will take."""
+def command(scene: Path, out: Path | None, **chosen: Any) -> None:
+    """Read SCENE, trace nothing: the plan, the materials, the lint, and what a run will take.
+
+    Draws where luminaires hang and point: layout.svg and luminaires.vtp.
+    """
     given = {name: value for name, value in chosen.items() if value is not None}
     check = run_check(scene, settings=Settings(**given), given=given)
     for title, lines in (
         ("Scene", _scene(check)),
         ("Plan", [f"{d.name}: {d.value} ({d.reason})" for d in check.plan.decisions]),
         ("Materials", _materials(check)),
+        *([("Luminaires", _luminaires(check))] if check.scene.luminaires else []),
         ("Lint", [f"{f.severity}: {f.rule}: {f.text}" for f in check.findings] or ["nothing found"]),
         ("A run will take", _cost(check)),
     ):
         click.echo(f"{title}\n" + "".join(f"  {line}\n" for line in lines))
+    drawn = draw_luminaires(scene, check.scene, out)
+    if drawn is not None:
+        click.echo(f"luminaires drawn in {drawn}")
 
 
 def _scene(check: Check) -> list[str]:
@@ -36,9 +50,34 @@ def _scene(check: Check) -> list[str]:
     size = " x ".join(f"{length:.4g}" for length in high - low)
     return [
         f"{scene.name}: {len(scene.triangles)} triangles, {size} m (unit {scene.unit}, {scene.up} up)",
-        f"{len(scene.luminaires)} point luminaires, {len(scene.observers)} observers, "
-        f"{len(scene.planes)} planes",
+        f"{len(scene.luminaires)} luminaires, {len(scene.observers)} observers, {len(scene.planes)} planes",
     ]
+
+
+def _luminaires(check: Check) -> list[str]:
+    """Say where each luminaire hangs and points; files are told once."""
+    lines = []
+    for lamp in check.scene.luminaires:
+        place = f"{lamp.name:20} at {_vector(lamp.position)} m"
+        if isinstance(lamp, PointLuminaire):
+            lines.append(f"{place}, isotropic, {_numbers(lamp.intensity)} cd")
+            continue
+        lines.append(
+            f"{place}, aim {_vector(lamp.aim)}, C0 {_vector(lamp.axes[0])}, {lamp.path}, "
+            f"{lamp.factor * luminous_flux(lamp.photometry):.0f} lm"
+        )
+    used = {lamp.path: lamp for lamp in check.scene.luminaires if not isinstance(lamp, PointLuminaire)}
+    for path, lamp in used.items():
+        opening = lamp.photometry.opening
+        lines.append(
+            f"{path}: {lamp.photometry.format}, opening {opening.along_c0:g} m along C0, {opening.along_c90:g} m "
+            f"along C90; {C0_RULES[lamp.photometry.format == 'EULUMDAT']}; give c0 to turn it"
+        )
+    return lines
+
+
+def _vector(vector: NDArray[Any]) -> str:
+    return "(" + ", ".join(f"{component + 0.0:.3g}" for component in np.round(vector, 6)) + ")"
 
 
 def _materials(check: Check) -> list[str]:

@@ -29,6 +29,7 @@ from lelight.mesh.patches import patches
 from lelight.plan import stored_degree
 from lelight.results import NodeValues
 from lelight.scene import FloatArray, IntArray, Scene
+from lelight.tracing.openings import seen_openings
 from lelight.tracing.world import World, build_world
 from lelight.writing.fieldfile import read_field, write_field
 
@@ -184,6 +185,8 @@ class RadianceField:
         radiance[paths.number] = self.emitted(paths) + self.reflected(
             paths, paths.number + chunk.start, log2_highlights=log2_highlights
         )
+        rays, luminance = seen_openings(self.world, self.scene, origins[chunk], directions[chunk])
+        radiance[rays] = luminance
         return radiance
 
     def picture(

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from lelight.harmonics.zonal import degree_for
+from lelight.luminaires import PhotometricLuminaire
 from lelight.scene import IntArray, Material, Scene
 
 Method = Literal["sh", "grid"]
@@ -105,10 +106,12 @@ def _lobe_decision(material: Material, degree: int, method: Method) -> Decision:
 
 def _emission(scene: Scene) -> Decision:
     areas = sum(m.emits for m in scene.materials)
-    points = len(scene.luminaires)
+    tables = sum(isinstance(lamp, PhotometricLuminaire) for lamp in scene.luminaires)
+    points = len(scene.luminaires) - tables
     return Decision(
         "emitters",
-        f"{areas} luminous materials, {points} point luminaires",
+        f"{areas} luminous materials, {points} point luminaires"
+        + (f", {tables} by photometric files" if tables else ""),
         "drawn by what they can give at each place; kept out of the harmonics",
     )
 

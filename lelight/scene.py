@@ -7,10 +7,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from lelight.luminaires import Luminaire
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -124,7 +127,7 @@ class Scene:
     triangles: IntArray
     triangle_materials: IntArray
     materials: tuple[Material, ...]
-    luminaires: tuple[PointLuminaire, ...] = ()
+    luminaires: tuple[Luminaire, ...] = ()
     observers: tuple[Observer, ...] = ()
     planes: tuple[MeasuringPlane, ...] = ()
     settings: dict[str, Any] = field(default_factory=dict)

@@ -45,3 +45,8 @@ def _refuse_endless_mesh(scene: Scene, edge: float | None) -> None:
             f"{scene.path or scene.name}: {found}; allowed are {MOST_NODES:.0e}; "
             "give a longer --edge, or check the scene's unit"
         )
+
+
+def default_out(scene_path: Path) -> Path:
+    """Folder beside the scene: its stem with ``.lelight``."""
+    return scene_path.with_name(f"{scene_path.stem}.lelight")

@@ -10,7 +10,7 @@ from time import perf_counter
 
 from lelight.calculation import Calculation, Progress, calculate
 from lelight.mesh.remesh import remesher_missing
-from lelight.pipelines.beginning import begin
+from lelight.pipelines.beginning import begin, default_out
 from lelight.pipelines.eyes import Sight, look
 from lelight.pipelines.figures import figures
 from lelight.pipelines.folder import (
@@ -28,11 +28,6 @@ from lelight.writing.views import write_overview
 
 #: Told the name of each stage as it begins, or what is odd about a run.
 Announce = Callable[[str], None]
-
-
-def default_out(scene_path: Path) -> Path:
-    """Folder beside the scene: its stem with ``.lelight``."""
-    return scene_path.with_name(f"{scene_path.stem}.lelight")
 
 
 def run_calc(

@@ -9,7 +9,7 @@ from pathlib import Path
 from lelight.mesh.grading import graded
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import default_edge, remesh
-from lelight.pipelines.beginning import begin
+from lelight.pipelines.beginning import begin, default_out
 from lelight.plan import Plan, make_plan
 from lelight.reading.lint import Finding, MaterialRow, lint, material_table
 from lelight.scene import Scene
@@ -64,3 +64,22 @@ def run_check(scene_path: Path, *, settings: Settings, given: Collection[str] = 
         seconds=rays / (RAYS_PER_SECOND * settings.workers),
         memory=BYTES_AT_REST + nodes * (BYTES_PER_NODE + detail * (plan.degree > 0)),
     )
+
+
+def draw_luminaires(scene_path: Path, scene: Scene, out: Path | None = None) -> Path | None:
+    """Draw where luminaires hang and point, as ``layout.svg`` and ``luminaires.vtp``; None without luminaires.
+
+    Returns
+    -------
+    Path : of the plan
+    """
+    if not scene.luminaires:
+        return None
+    from lelight.writing.files import make_folder
+    from lelight.writing.layout import write_layout
+    from lelight.writing.vtkfiles import write_luminaires
+
+    folder = make_folder(out if out is not None else default_out(scene_path))
+    write_layout(folder / "layout.svg", scene)
+    write_luminaires(folder / "luminaires.vtp", scene.luminaires)
+    return folder / "layout.svg"

@@ -12,9 +12,11 @@ import numpy as np
 from lelight.camera import Fisheye
 from lelight.channels import luminance_weighted
 from lelight.field import RadianceField
+from lelight.luminaires import Luminaire
 from lelight.metrics.cie117 import EmitterPatch, GlareSource, glare_sources, point_source
+from lelight.metrics.luminaireglare import luminaire_source
 from lelight.metrics.picture import PictureGlare, picture_glare
-from lelight.scene import BoolArray, FloatArray, Observer
+from lelight.scene import BoolArray, FloatArray, Observer, PointLuminaire
 from lelight.tracing.world import World
 
 #: Rays to an opening end this many surface offsets before it.
@@ -51,7 +53,7 @@ def look(field: RadianceField, observer: Observer, *, size: int, samples: int, e
 
 
 def _sources(field: RadianceField, observer: Observer) -> tuple[GlareSource, ...]:
-    """See openings first, point luminaires after them."""
+    """See openings first, luminaires after them."""
 
     def visible(origins: FloatArray, targets: FloatArray) -> BoolArray:
         back = origins - targets
@@ -60,7 +62,25 @@ def _sources(field: RadianceField, observer: Observer) -> tuple[GlareSource, ...
         return field.world.caster.visible(origins, ends)
 
     openings = glare_sources(list(emitter_patches(field)), observer, visible)
-    return openings + tuple(point_source(lamp, observer) for lamp in field.scene.luminaires)
+    lamps = enumerate(field.scene.luminaires)
+    return openings + tuple(_lamp_source(field, lamp, number, observer) for number, lamp in lamps)
+
+
+def _lamp_source(field: RadianceField, lamp: Luminaire, number: int, observer: Observer) -> GlareSource:
+    """See one luminaire; its own housing hides nothing of it."""
+    if isinstance(lamp, PointLuminaire):
+        return point_source(lamp, observer)
+    housing = int(field.world.emitters.housings[number])
+
+    def visible(origins: FloatArray, targets: FloatArray) -> BoolArray:
+        back = origins - targets
+        distance = np.linalg.norm(back, axis=1, keepdims=True)
+        # The opening may lie flush in a ceiling: end on the eye's side of it.
+        side = np.sign(back @ lamp.axes[2])[:, None] * lamp.axes[2]
+        ends = targets + CLEARANCE * field.world.caster.offset * (back / distance + side)
+        return field.world.visible(origins, ends, housing=np.full(len(ends), housing))
+
+    return luminaire_source(lamp, observer, visible)
 
 
 def emitter_patches(field: RadianceField) -> Iterator[EmitterPatch]:

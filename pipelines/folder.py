@@ -16,6 +16,7 @@ from lelight.metrics.table import to_csv
 from lelight.pipelines.eyes import Sight
 from lelight.writing.falsecolour import decade_limits, write_falsecolour
 from lelight.writing.files import make_folder, safe_names, whole, write_text
+from lelight.writing.layout import write_layout
 from lelight.writing.paraview import write_paraview_script
 from lelight.writing.pictures import write_exr
 from lelight.writing.radiancehdr import write_hdr
@@ -70,6 +71,7 @@ def write_geometry(out: Path, run: Calculation, stems: dict[str, dict[str, str]]
     if run.scene.luminaires:
         blocks["luminaires"] = {"luminaires": out / "luminaires.vtp"}
         write_luminaires(out / "luminaires.vtp", run.scene.luminaires)
+        write_layout(out / "layout.svg", run.scene)
     if run.scene.observers:
         blocks["observers"] = {"observers": out / "observers.vtp"}
         write_observers(out / "observers.vtp", run.scene.observers)

@@ -11,8 +11,11 @@ import numpy as np
 import lelight
 from lelight.calculation import Calculation, Standing
 from lelight.estimate.variants import VARIANTS
+from lelight.luminaires import Luminaire
+from lelight.photometry.zones import luminous_flux
 from lelight.plan import LARGEST_STORED_EXPONENT
 from lelight.reading.lint import material_table
+from lelight.scene import PointLuminaire
 
 #: Packages whose versions may change a figure.
 PACKAGES = ("numpy", "scipy", "numba", "embreex", "pymeshlab", "ducc0", "vtk", "pyvista")
@@ -57,10 +60,7 @@ def run_record(
         "unit": run.scene.unit,
         "up": run.scene.up,
         "materials": _materials(run),
-        "luminaires": [
-            {"name": lamp.name, "position": lamp.position.tolist(), "intensity_cd": lamp.intensity.tolist()}
-            for lamp in run.scene.luminaires
-        ],
+        "luminaires": [_luminaire(lamp) for lamp in run.scene.luminaires],
         "files": run.scene.files,
         "versions": versions(),
     }
@@ -112,6 +112,31 @@ def _step(standing: Standing) -> dict[str, Any]:
     }
 
 
+def _luminaire(lamp: Luminaire) -> dict[str, Any]:
+    """Name and place; of a photometric one the file, its hash, and how it is turned and dimmed."""
+    common = {
+        "name": lamp.name,
+        "position": lamp.position.tolist(),
+        "intensity_cd": lamp.intensity.tolist(),
+    }
+    if isinstance(lamp, PointLuminaire):
+        return common
+    photometry = lamp.photometry
+    return common | {
+        "photometry": lamp.path,
+        "sha256": photometry.sha256,
+        "format": photometry.format,
+        "luminaire": photometry.name,
+        "flux_lm": lamp.factor * luminous_flux(photometry),
+        "power_w": photometry.power,
+        "factor": lamp.factor,
+        "aim": lamp.aim.tolist(),
+        "c0": lamp.axes[0].tolist(),
+        "housing": lamp.housing or None,
+        "opening_m": [photometry.opening.along_c0, photometry.opening.along_c90, photometry.opening.height],
+    }
+
+
 def _materials(run: Calculation) -> list[dict[str, Any]]:
     return [
         {
@@ -142,6 +167,11 @@ def bias_statements(run: Calculation) -> list[str]:
                 f"Harmonics: gloss of {material.name} is stored to degree {degree}, "
                 "about 1 % of the peak of its lobe."
             )
+    if any(not isinstance(lamp, PointLuminaire) for lamp in run.scene.luminaires):
+        statements.append(
+            "Luminaires: light of a photometric file is taken to leave its opening evenly; nearer than five sizes "
+            "of it, and its closed form there by quadrature."
+        )
     if any(m.glossy and m.exponent > LARGEST_STORED_EXPONENT for m in run.scene.materials):
         statements.append("Mirrors: what a sharp lobe shows is interpolated at the surface it meets.")
     return statements

@@ -41,7 +41,9 @@ def _luminaire_row(luminaire: Mapping[str, Any]) -> dict[str, str]:
         "name": str(luminaire.get("name", MISSING)),
         "position": vector(position) if position else MISSING,
         "intensity": _colour(luminaire.get("intensity_cd", luminaire.get("intensity"))),
+        "flux": MISSING if luminaire.get("flux_lm") is None else significant(float(luminaire["flux_lm"])),
         "photometry": str(luminaire.get("photometry") or MISSING),
+        "hash": str(luminaire.get("sha256") or ""),
     }
 
 

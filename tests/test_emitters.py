@@ -16,11 +16,10 @@ from verdicts import agrees, follows
 from lelight.channels import channel_matrix
 from lelight.scene import Material
 from lelight.tracing.chains import emit
-from lelight.tracing.emitters import (
+from lelight.tracing.drawing import (
     LOCAL_CHOICE_LIMIT,
     choice_cdf,
     chosen,
-    collect_emitters,
     drawn_density,
     rough_cdf,
     shines,
@@ -28,6 +27,7 @@ from lelight.tracing.emitters import (
     toward,
     unshadowed,
 )
+from lelight.tracing.emitters import collect_emitters
 from lelight.tracing.triangles import triangle_irradiance
 
 EXACT = 1e-9

@@ -234,11 +234,11 @@ def test_extents_that_are_none(tmp_path: Path, obj: str, toml: str | None, says:
     assert says in refusal(write(tmp_path, obj=obj, toml=toml), SceneError)
 
 
-def test_photometry_files_are_refused_by_key(tmp_path: Path) -> None:
+def test_missing_photometry_files_are_named_by_key(tmp_path: Path) -> None:
     toml = '[[luminaires]]\nname = "L"\nposition = [0, 0, 1]\nphotometry = "a.ldt"\n'
     text = refusal(write(tmp_path, toml=toml), InputError)
     assert text.startswith(
-        f'{tmp_path / "room.toml"}: luminaires[0].photometry: found "a.ldt"; this version reads'
+        f'{tmp_path / "room.toml"}: luminaires[0].photometry: found "a.ldt", which is not there'
     )
 
 

@@ -25,6 +25,7 @@ from lelight.tracing.chains import (
     arrive,
     chain_numbers,
     emit,
+    emitted_housings,
     joined,
     no_vertices,
     walk_on,
@@ -86,6 +87,10 @@ def _lambertian(world: World, base: BaseField, chains: Stretch, *, seed: tuple[i
     """
     points, more = chain_numbers(chains, seed=seed), chain_numbers(chains, seed=(*seed, BY_LIGHT))
     seed = (*seed, chains.first)
+    if np.any(world.emitters.tables >= 0):
+        # A luminaire by table sends from all of its opening but lights far places as a point: no pairs to weigh.
+        first, chain = _over_surface(world, base, points, seed, weighed=False)
+        return walk_on(world, first, chain=chain, points=points, seed=seed)
     starts = (_over_surface(world, base, points, seed), _by_light(world, base, more, (*seed, BY_LIGHT)))
     first = joined([vertices for vertices, _ in starts])
     chain = np.concatenate([starts[0][1], len(points) + starts[1][1]])
@@ -93,9 +98,9 @@ def _lambertian(world: World, base: BaseField, chains: Stretch, *, seed: tuple[i
 
 
 def _over_surface(
-    world: World, base: BaseField, points: FloatArray, seed: tuple[int, ...]
+    world: World, base: BaseField, points: FloatArray, seed: tuple[int, ...], *, weighed: bool = True
 ) -> tuple[ChainVertices, IntArray]:
-    """Draw starts over the surface; also which row of ``points`` each is."""
+    """Draw starts over the surface, weighed against the other way; also which row of ``points`` each is."""
     start, area = _surface_points(world, base, points)
     rest = _rest_of_defect(world, base, start, (*seed, DEFECT_GATHER))
     receivers = with_surface(space_receivers(start.points, start.normals))
@@ -103,7 +108,8 @@ def _over_surface(
         world, receivers, samples=Stretch.of(LOG2_DEFECT_RAYS), seed=(*seed, DEFECT_DIRECT)
     )
     draws = 2**LOG2_DEFECT_RAYS
-    weight = 1.0 / (1.0 + area[owner] * (light @ world.emitters.weights) / world.emitters.power.sum())
+    by_light = (light @ world.emitters.weights) / world.emitters.power.sum() if weighed else 0.0
+    weight = 1.0 / (1.0 + area[owner] * by_light)
     # Draws that found no lamp stand for the rest alone, with their whole weight.
     defect = rest * (1.0 - np.bincount(owner, minlength=len(points)) / draws)[:, None]
     np.add.at(defect, owner, (light + rest[owner]) * weight[:, None] / draws)
@@ -207,13 +213,15 @@ def _glossy(world: World, base: BaseField, chains: Stretch, *, seed: tuple[int, 
     """Chains from emitters and the base's own radiance; of their first reflection only gloss is kept."""
     from_emitters = chain_numbers(chains, seed=(*seed, 1))
     origins, directions, flux = emit(world.emitters, from_emitters, world.caster.offset)
+    housing = emitted_housings(world.emitters, from_emitters)
     from_base = chain_numbers(chains, seed=(*seed, 2))
     if _diffuse(world):
         base_origins, base_directions, base_flux = _emit_base(world, base, from_base)
         origins = np.concatenate([origins, base_origins])
         directions = np.concatenate([directions, base_directions])
         flux = np.concatenate([flux, base_flux])
-    first, alive = arrive(world, origins, directions, flux / len(from_base))
+        housing = np.concatenate([housing, np.zeros(len(base_flux), dtype=np.int64)])
+    first, alive = arrive(world, origins, directions, flux / len(from_base), housing=housing)
     glossy = np.flatnonzero(world.reflectances.specular_share[first.materials] > 0)
     first = first[glossy].with_lobes(SPECULAR_LOBE)
     return walk_on(

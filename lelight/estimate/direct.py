@@ -18,15 +18,17 @@ from lelight.estimate.moments import add_arrivals
 from lelight.receivers import ILLUMINANCE, MOMENTS, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import hash_of
-from lelight.tracing.emitters import (
+from lelight.tracing.drawing import (
     LOCAL_CHOICE_LIMIT,
-    Emitters,
     choice_cdf,
     chosen,
+    source_housing,
     source_strength,
     toward,
     unshadowed,
 )
+from lelight.tracing.emitters import Emitters
+from lelight.tracing.lamps import has_closed_form
 from lelight.tracing.sampling import Stretch, mix, rotated, sobol, uniform
 from lelight.tracing.triangles import triangle_density
 from lelight.tracing.world import World
@@ -50,7 +52,7 @@ def direct_light(
     drawn = _draw(world, receivers, numbers, hash_of(seed))
     light = drawn.arrivals.radiance_solid_angle / len(numbers)
     owner = drawn.arrivals.receiver
-    clear = world.caster.visible(drawn.origins, drawn.ends)
+    clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
     add_arrivals(moments, owner[clear], drawn.arrivals.directions[clear], receivers.normals, light[clear])
     _correct(moments, receivers, drawn, light)
@@ -65,7 +67,7 @@ def drawn_illuminance(
     The mean of all draws, those that found nothing as zero, is the direct illuminance.
     """
     drawn = _draw(world, receivers, sobol(3, samples, seed=seed), hash_of(seed))
-    clear = world.caster.visible(drawn.origins, drawn.ends)
+    clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
     owner, directions = drawn.arrivals.receiver[clear], drawn.arrivals.directions[clear]
     cosine = np.maximum(np.einsum("kx,kx->k", directions, receivers.normals[owner]), 0.0)
     return owner, drawn.arrivals.radiance_solid_angle[clear] * cosine[:, None]
@@ -131,13 +133,25 @@ def with_clear_share(world: World, receivers: Receivers, *, seed: tuple[int, ...
     if len(world.emitters.power) > LOCAL_CHOICE_LIMIT:
         return receivers
     drawn = _draw(world, receivers, sobol(3, Stretch.of(LOG2_PREVIEW), seed=seed), hash_of(seed))
-    clear = world.caster.visible(drawn.origins, drawn.ends)
+    clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
     weight = drawn.arrivals.radiance_solid_angle.sum(axis=1)
     count = len(receivers)
     total = np.bincount(drawn.arrivals.receiver, weights=weight, minlength=count)
     seen = np.bincount(drawn.arrivals.receiver, weights=weight * clear, minlength=count)
     share = np.divide(seen, total, out=np.zeros(count), where=total > 0)
-    return replace(receivers, clear_share=share)
+    exact = closed_forms(world.emitters, receivers.points, receivers.normals)
+    return replace(receivers, clear_share=np.where(exact, share, 0.0))
+
+
+@njit(**_COMPILED)
+def closed_forms(emitters: Emitters, points: FloatArray, normals: FloatArray) -> BoolArray:
+    """Say at which places (r,) the closed form holds."""
+    exact = np.empty(len(points), dtype=np.bool_)
+    for r in range(len(points)):
+        x, y, z = points[r]
+        nx, ny, nz = normals[r]
+        exact[r] = has_closed_form(emitters, x, y, z, nx, ny, nz)
+    return exact
 
 
 class _Drawn:
@@ -148,6 +162,7 @@ class _Drawn:
             np.empty(room, dtype=np.int64), np.empty((room, 3)), np.empty((room, channels))
         )
         self.origins, self.ends = np.empty((room, 3)), np.empty((room, 3))
+        self.housing = np.empty(room, dtype=np.int64)
         self.unshadowed = np.zeros((count, channels))
 
     def cut(self, count: int) -> None:
@@ -155,6 +170,7 @@ class _Drawn:
         a = self.arrivals
         self.arrivals = Arrivals(a.receiver[:count], a.directions[:count], a.radiance_solid_angle[:count])
         self.origins, self.ends = self.origins[:count], self.ends[:count]
+        self.housing = self.housing[:count]
 
 
 def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint64) -> _Drawn:
@@ -174,6 +190,7 @@ def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint6
         drawn.arrivals.radiance_solid_angle,
         drawn.origins,
         drawn.ends,
+        drawn.housing,
         drawn.unshadowed,
     )
     drawn.cut(count)
@@ -212,6 +229,7 @@ def _draw_rays(
     light: FloatArray,
     origins: FloatArray,
     ends: FloatArray,
+    housing: IntArray,
     closed_form: FloatArray,
 ) -> int:
     """Draw the shadow rays of each receiver; returns how many carry light."""
@@ -234,6 +252,7 @@ def _draw_rays(
             if factor <= 0.0 or (on_surface[r] and cos_theta <= 0.0):
                 continue
             receiver[count] = r
+            housing[count] = source_housing(emitters, source)
             directions[count, 0], directions[count, 1], directions[count, 2] = d
             for c in range(light.shape[1]):
                 light[count, c] = source_strength(emitters, source, c) * factor / share

@@ -18,15 +18,16 @@ from numba import njit
 
 from lelight.estimate.split import above, lobe_probability, lobe_shares
 from lelight.scene import BoolArray, FloatArray, IntArray
-from lelight.tracing.emitters import (
-    Emitters,
+from lelight.tracing.drawing import (
     chosen,
     drawn_density,
     rough_cdf,
     shines,
+    source_housing,
     source_strength,
     toward,
 )
+from lelight.tracing.emitters import Emitters
 from lelight.tracing.reflection import Reflectances, lobe, lobe_density
 from lelight.tracing.sampling import (
     cosine_direction,
@@ -188,6 +189,7 @@ def _add_drawn_sources(
     """Add the light of one drawn source at each path's surface; returns the shadow rays."""
     light = np.zeros_like(paths.throughput)
     origins, ends = np.empty_like(paths.points), np.empty_like(paths.points)
+    housing = np.zeros(len(paths.points), dtype=np.int64)
     _draw_sources(
         world.emitters,
         world.reflectances,
@@ -203,9 +205,10 @@ def _add_drawn_sources(
         light,
         origins,
         ends,
+        housing,
     )
     lit = np.flatnonzero(light.max(axis=1) > 0.0)
-    clear = lit[world.caster.visible(origins[lit], ends[lit])]
+    clear = lit[world.visible(origins[lit], ends[lit], housing=housing[lit])]
     np.add.at(radiance, paths.number[clear], light[clear])
     return len(lit)
 
@@ -226,6 +229,7 @@ def _draw_sources(
     light: FloatArray,
     origins: FloatArray,
     ends: FloatArray,
+    housing: IntArray,
 ) -> None:
     cdf = np.empty(len(emitters.power))
     for k in range(len(points)):
@@ -256,6 +260,7 @@ def _draw_sources(
             reflected = reflectances.diffuse[m, c] * share_d / math.pi + reflectances.specular[m, c] * phong
             strength = source_strength(emitters, source, c) * factor / share
             light[k, c] = throughput[k, c] * strength * cos_theta * reflected
+        housing[k] = source_housing(emitters, source)
         for axis in range(3):
             origins[k, axis] = points[k, axis] + offset * normals[k, axis]
             ends[k, axis] = end[axis]

@@ -212,6 +212,40 @@ def _excluded(name: str, direction: FloatArray, observer: Observer, reason: str)
     )
 
 
+def rated_source(
+    name: str,
+    luminance: float,
+    solid_angle: float,
+    direction: FloatArray,
+    visible_fraction: float,
+    area: float,
+    observer: Observer,
+    position_index: PositionIndex = guth,
+) -> GlareSource:
+    """Rate a source whose luminance (cd/m²), solid angle (sr) and projected area (m²) are known."""
+    coordinates = sight_coordinates(direction, observer)
+    t_over_r, h_over_r = table_ratios(coordinates)
+    excluded = _exclusion(coordinates)
+    return GlareSource(
+        name=name,
+        luminance=luminance,
+        solid_angle=solid_angle,
+        direction=direction,
+        visible_fraction=visible_fraction,
+        t_over_r=float(t_over_r) if np.isfinite(t_over_r) else None,
+        h_over_r=float(h_over_r) if np.isfinite(h_over_r) else None,
+        position_index=None if excluded else float(position_index(coordinates)),
+        excluded=excluded,
+        flags=_flags(solid_angle, area),
+        projected_area=area,
+    )
+
+
+def excluded_source(name: str, direction: FloatArray, observer: Observer, reason: str) -> GlareSource:
+    """Name a source that does not count, and why."""
+    return _excluded(name, direction, observer, reason)
+
+
 def _unit(vector: FloatArray) -> FloatArray:
     length = np.linalg.norm(vector)
     return np.asarray(vector / length) if length > 0 else np.zeros(3)

@@ -1,40 +1,16 @@
-"""Luminaires, observers and measuring planes out of a scene file's tables."""
+"""Observers and measuring planes out of a scene file's tables."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lelight.errors import InputError
-from lelight.reading.inputfile import quoted
-from lelight.scene import FloatArray, MeasuringPlane, Observer, PointLuminaire
+from lelight.scene import FloatArray, MeasuringPlane, Observer
 
 if TYPE_CHECKING:
     from lelight.reading.quantities import Triple
-    from lelight.reading.scenetables import LuminaireTable, SceneTables
-
-
-def point_luminaires(tables: SceneTables, scene_path: Path | None) -> tuple[PointLuminaire, ...]:
-    """Isotropic luminaires with dimming and maintenance applied.
-
-    Raises
-    ------
-    InputError
-        where a luminaire is given by a photometry file
-    """
-    return tuple(_luminaire(table, index, scene_path) for index, table in enumerate(tables.luminaires))
-
-
-def _luminaire(table: LuminaireTable, index: int, scene_path: Path | None) -> PointLuminaire:
-    if table.intensity is None:
-        raise InputError(
-            f"{scene_path}: luminaires[{index}].photometry: found {quoted(table.photometry)}; "
-            "this version reads intensity (cd) only; give it instead"
-        )
-    intensity = table.dimming * table.maintenance * np.array(table.intensity)
-    return PointLuminaire(table.name, np.array(table.position), intensity)
+    from lelight.reading.scenetables import SceneTables
 
 
 def observers(tables: SceneTables) -> tuple[Observer, ...]:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lelight.errors import InputError, SceneError
+from lelight.luminaires import PhotometricLuminaire
 from lelight.mesh.doubles import without_repeated_faces
-from lelight.reading.fixtures import measuring_planes, observers, point_luminaires
+from lelight.reading.fixtures import measuring_planes, observers
 from lelight.reading.inputfile import file_hash, quoted
+from lelight.reading.luminaires import ReadLuminaires, read_luminaires
 from lelight.reading.mtl import read_mtl
 from lelight.reading.obj import ObjGeometry, read_obj
 from lelight.reading.palette import Palette
@@ -109,7 +113,8 @@ def _scene(
     libraries = tuple(read_mtl(library) for library in geometry.material_libraries)
     surfaces = lit_surfaces(geometry_path, geometry, unit=tables.unit, up=tables.up)
     palette = Palette(libraries, tables.materials, scene_path)
-    read = [geometry_path, *geometry.material_libraries, *([scene_path] if scene_path else [])]
+    lamps = read_luminaires(tables, scene_path)
+    read = [geometry_path, *geometry.material_libraries, *([scene_path] if scene_path else []), *lamps.files]
     said = (library.warnings for library in libraries)
     return Scene(
         name=given.stem,
@@ -117,7 +122,7 @@ def _scene(
         triangles=surfaces.triangles,
         triangle_materials=surfaces.triangle_materials,
         materials=tuple(map(palette.material, surfaces.material_names, surfaces.material_areas)),
-        luminaires=point_luminaires(tables, scene_path),
+        luminaires=lamps.luminaires,
         observers=observers(tables),
         planes=measuring_planes(tables),
         settings=tables.calc.model_dump(exclude_none=True),
@@ -125,8 +130,21 @@ def _scene(
         up=tables.up,
         path=given,
         files=_hashes(read, given.parent),
-        warnings=sum(said, geometry.warnings) + surfaces.warnings + palette.warnings(surfaces.material_names),
+        warnings=sum(said, geometry.warnings)
+        + surfaces.warnings
+        + palette.warnings(surfaces.material_names)
+        + lamps.warnings
+        + _idle_housings(lamps, surfaces.material_names),
     )
+
+
+def _idle_housings(lamps: ReadLuminaires, names: Iterable[str]) -> tuple[str, ...]:
+    """Say which housings no material of the scene belongs to."""
+    patterns = {
+        lamp.housing for lamp in lamps.luminaires if isinstance(lamp, PhotometricLuminaire) and lamp.housing
+    }
+    idle = sorted(pattern for pattern in patterns if not any(fnmatchcase(name, pattern) for name in names))
+    return tuple(f"luminaires: housing {quoted(pattern)} matches no material" for pattern in idle)
 
 
 def _hashes(paths: list[Path], folder: Path) -> dict[str, str]:

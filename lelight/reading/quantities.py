@@ -75,6 +75,14 @@ def _percent(text: str) -> float | None:
         return None
 
 
+def spacing(found: object) -> tuple[float, float]:
+    """Two lengths from ``2.4`` or ``[2.4, 1.8]``; ValueError names what is allowed."""
+    numbers: list[Any] = found if isinstance(found, list) else [found, found]
+    if len(numbers) != 2 or not all(_is_number(one) and 0 < float(one) <= FARTHEST for one in numbers):
+        raise ValueError("allowed are one or two numbers above 0")
+    return float(numbers[0]), float(numbers[1])
+
+
 def seconds(found: object) -> float:
     """Time in s from ``60``, ``"60s"``, ``"5min"`` or ``"1h"``; ValueError names what is allowed."""
     time = found
@@ -118,6 +126,9 @@ Positive = Annotated[float, number(above=0)]
 
 #: Length in m, greater than 0.
 Length = Annotated[float, number(upper=FARTHEST, above=0)]
+
+#: Distances in m along x and y, each above 0; one number stands for both.
+Spacing = Annotated[tuple[float, float], BeforeValidator(spacing)]
 
 #: Relative standard error, :func:`relative_error`.
 RelativeError = Annotated[float, BeforeValidator(relative_error)]

@@ -26,6 +26,7 @@ from lelight.reading.quantities import (
     RelativeError,
     Seconds,
     Share,
+    Spacing,
 )
 
 Unit = Literal["m", "cm", "mm", "in", "ft"]
@@ -33,6 +34,9 @@ UpAxis = Literal["z", "y"]
 
 #: Shortest edge of a measuring plane in m.
 SHORTEST_EDGE = 1e-6
+
+#: Most rows and columns of an array of luminaires.
+MOST_ROWS = 1000
 
 #: Points of a plane's grid; a square kilometre has as many at the largest spacing of 10 m.
 MOST_GRID_POINTS = 10_000
@@ -74,7 +78,7 @@ class MaterialTable(Table):
 
 
 class LuminaireTable(Table):
-    """A luminaire; ``aim`` and ``c0`` turn its photometry."""
+    """A luminaire, or an array of them; ``aim`` and ``c0`` turn its photometry."""
 
     name: Annotated[str, Field(min_length=1)]
     position: Position
@@ -84,12 +88,27 @@ class LuminaireTable(Table):
     c0: Direction = (1.0, 0.0, 0.0)
     dimming: Share = 1.0
     maintenance: Share = 1.0
+    housing: Annotated[str, Field(min_length=1)] | None = None
+    rows: Annotated[int, Field(ge=1, le=MOST_ROWS)] = 1
+    columns: Annotated[int, Field(ge=1, le=MOST_ROWS)] = 1
+    spacing: Spacing | None = None
 
     @model_validator(mode="after")
     def _one_light(self) -> Self:
         if (self.intensity is None) == (self.photometry is None):
             raise ValueError("allowed is one of intensity (cd) and photometry (a file)")
         return self
+
+    @model_validator(mode="after")
+    def _array_is_spaced(self) -> Self:
+        if self.rows * self.columns > 1 and self.spacing is None:
+            raise ValueError("rows and columns need spacing, m: one number, or two along x and y")
+        return self
+
+    @property
+    def spacings(self) -> tuple[float, float]:
+        """Distances in m of columns along x and of rows along y."""
+        return self.spacing or (0.0, 0.0)
 
 
 class ObserverTable(Table):

@@ -15,6 +15,7 @@ from numba import njit
 
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.emitters import Emitters
+from lelight.tracing.lamps import emitted_ray
 from lelight.tracing.reflection import Reflectances, diffuse_probability
 from lelight.tracing.sampling import (
     Stretch,
@@ -23,7 +24,6 @@ from lelight.tracing.sampling import (
     mirrored,
     mix,
     sobol,
-    sphere_direction,
     to_axis,
     uniform,
 )
@@ -99,7 +99,8 @@ def emission_chains(world: World, chains: Stretch, *, seed: tuple[int, ...]) -> 
     """
     points = chain_numbers(chains, seed=seed)
     origins, directions, flux = emit(world.emitters, points, world.caster.offset)
-    first, alive = arrive(world, origins, directions, flux / len(points))
+    housing = emitted_housings(world.emitters, points)
+    first, alive = arrive(world, origins, directions, flux / len(points), housing=housing)
     return walk_on(world, first, chain=alive, points=points, seed=(*seed, chains.first))
 
 
@@ -152,10 +153,20 @@ def hash_of(seed: tuple[int, ...]) -> np.uint64:
 
 
 def arrive(
-    world: World, origins: FloatArray, directions: FloatArray, flux: FloatArray
+    world: World,
+    origins: FloatArray,
+    directions: FloatArray,
+    flux: FloatArray,
+    *,
+    housing: IntArray | None = None,
 ) -> tuple[ChainVertices, IntArray]:
-    """Follow rays with flux (k, C) to surfaces: the vertices there, and which of the rays made them."""
-    hits = world.caster.closest(origins, directions)
+    """Follow rays with flux (k, C) to surfaces: the vertices there, and which of the rays made them.
+
+    Parameters
+    ----------
+    housing : (k,) int, which surfaces do not block each ray, see `World.closest`
+    """
+    hits = world.closest(origins, directions, housing=housing)
     alive = np.flatnonzero(hits.triangle >= 0)
     triangles = hits.triangle[alive]
     vertices = ChainVertices(
@@ -209,10 +220,13 @@ def emit(emitters: Emitters, numbers: FloatArray, offset: float) -> tuple[FloatA
         u = (u - below) / share
         if source >= triangles:
             p = source - triangles
-            directions[k] = sphere_direction(numbers[k, 3], numbers[k, 4])
-            origins[k] = emitters.positions[p]
+            origins[k], directions[k] = emitted_ray(
+                emitters, p, numbers[k, 1], numbers[k, 2], numbers[k, 3], numbers[k, 4], offset
+            )
+            t = emitters.tables[p]
+            of_table = 4.0 * math.pi if t < 0 else emitters.distributions.flux[t]
             for c in range(channels):
-                flux[k, c] = 4.0 * math.pi * emitters.intensity[p, c] / share
+                flux[k, c] = of_table * emitters.intensity[p, c] / share
             continue
         both = emitters.both_sides[source]
         side = -1.0 if both and u >= 0.5 else 1.0
@@ -234,6 +248,15 @@ def emit(emitters: Emitters, numbers: FloatArray, offset: float) -> tuple[FloatA
             exitance = math.pi * emitters.luminance[source, c] * (2.0 if both else 1.0)
             flux[k, c] = exitance * emitters.areas[source] / share
     return origins, directions, flux
+
+
+def emitted_housings(emitters: Emitters, numbers: FloatArray) -> IntArray:
+    """Housing (k,) of the source that `emit` draws by each row of numbers."""
+    if not np.any(emitters.housings):
+        return np.zeros(len(numbers), dtype=np.int64)
+    source = np.searchsorted(emitters.power_cdf, numbers[:, 0], side="right")
+    point = np.minimum(source, len(emitters.power) - 1) - len(emitters.areas)
+    return np.where(point >= 0, emitters.housings[np.maximum(point, 0)], 0)
 
 
 @njit(**_COMPILED)

@@ -12,10 +12,12 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from lelight.channels import luminance_weighted
+from lelight.luminaires import Luminaire, PhotometricLuminaire
 from lelight.results import PlaneValues
-from lelight.scene import FloatArray, IntArray, Observer, PointLuminaire
+from lelight.scene import FloatArray, IntArray, Observer
 from lelight.writing.fieldfile import read_field, write_field
 from lelight.writing.files import write_text
+from lelight.writing.layout import opening_outline
 from lelight.writing.polydata import PolyData, write_polydata
 
 __all__ = ["read_field", "write_field", "write_index", "write_luminaires", "write_observers", "write_plane"]
@@ -41,18 +43,52 @@ def write_plane(path: Path, values: PlaneValues) -> None:
     write_text(path.with_suffix(".csv"), _table(values.points, arrays))
 
 
-def write_luminaires(path: Path, luminaires: Sequence[PointLuminaire]) -> None:
-    """Write luminaires as points with ``intensity_cd`` and ``name``."""
-    intensities = [luminance_weighted(luminaire.intensity) for luminaire in luminaires]
+def write_luminaires(path: Path, luminaires: Sequence[Luminaire], *, length: float = 0.4) -> None:
+    """Write luminaires as points with ``intensity_cd`` (the largest) and ``name``.
+
+    Photometric ones also have the outline of their opening, an arrow of ``length`` in m to C0 and one along
+    γ = 0; ``part`` tells them apart: 0 place, 1 C0, 2 γ = 0, 3 opening.
+    """
+    count = len(luminaires)
+    places = np.array([lamp.position for lamp in luminaires], dtype=float).reshape(-1, 3)
+    marks = [
+        (number, *mark) for number, lamp in enumerate(luminaires) for mark in _luminaire_marks(lamp, length)
+    ]
+    segments = [np.stack([points[:-1], points[1:]], axis=1).reshape(-1, 3) for _, _, points in marks]
+    owners = np.repeat([number for number, _, _ in marks], [len(ends) // 2 for ends in segments]).astype(int)
+    parts = np.repeat([part for _, part, _ in marks], [len(ends) // 2 for ends in segments])
+    owner = np.concatenate([np.arange(count), np.repeat(owners, 2)]).astype(int)
+    intensities = np.array([luminance_weighted(lamp.intensity) for lamp in luminaires], dtype=float)
     write_polydata(
         path,
         PolyData(
-            points=np.array([luminaire.position for luminaire in luminaires], dtype=float).reshape(-1, 3),
-            markers=_markers(len(luminaires)),
-            point_arrays={"intensity_cd": np.array(intensities, dtype=float)},
-            cell_texts={"name": tuple(luminaire.name for luminaire in luminaires)},
+            points=np.concatenate([places, *segments]),
+            markers=_markers(count),
+            lines=count + np.arange(2 * len(owners)).reshape(-1, 2),
+            point_arrays={"intensity_cd": intensities[owner]},
+            cell_arrays={"part": np.concatenate([np.zeros(count), parts]).astype(np.int32)},
+            cell_texts={"name": tuple(luminaires[number].name for number in [*range(count), *owners])},
         ),
     )
+
+
+def _luminaire_marks(lamp: Luminaire, length: float) -> list[tuple[int, FloatArray]]:
+    """Lines (n, 3) of a photometric luminaire by part."""
+    if not isinstance(lamp, PhotometricLuminaire):
+        return []
+    outline = opening_outline(lamp)
+    return [
+        (1, _shaft(lamp.position, lamp.axes[0], lamp.axes[1], length)),
+        (2, _shaft(lamp.position, lamp.aim, lamp.axes[0], length)),
+        (3, np.concatenate([outline, outline[:1]])),
+    ]
+
+
+def _shaft(start: FloatArray, along: FloatArray, aside: FloatArray, length: float) -> FloatArray:
+    """Arrow (5, 3) in m as one line: tail, tip, barb, tip, barb."""
+    tip = start + length * along
+    barb = tip - 0.2 * length * along
+    return np.array([start, tip, barb + 0.1 * length * aside, tip, barb - 0.1 * length * aside])
 
 
 def write_observers(path: Path, observers: Sequence[Observer], *, length: float = 0.5) -> None:
