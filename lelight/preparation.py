@@ -16,6 +16,7 @@ from lelight.mesh.patches import patches
 from lelight.mesh.remesh import default_edge, remesh
 from lelight.metrics.grid import grid_points
 from lelight.pilot import buried, lit_sides
+from lelight.places import Places, further_places
 from lelight.plan import Decision, Plan, make_plan
 from lelight.receivers import Receivers, joined, space_receivers, surface_receivers
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
@@ -37,10 +38,11 @@ class Stage:
     Attributes
     ----------
     labels : (n_t,) int, patch of each traced triangle
-    receivers : nodes first, then the points of all planes, then the eyes
+    receivers : nodes first, then the points of all planes, then the eyes, then the further places
     grids : points (k, 3) and shape (rows, columns) of each plane
     edge : float, m, of the node mesh
     base : field on which the estimate stands, None where chains from the emitters carry everything
+    further : places beside grid points and eyes, in the order of their receivers
     """
 
     world: World
@@ -51,6 +53,7 @@ class Stage:
     edge: float
     plan: Plan
     base: BaseField | None
+    further: tuple[Places, ...]
 
 
 def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) -> Stage:
@@ -68,7 +71,8 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
         raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
     clock.lap("pilot")
     grids = tuple(grid_points(plane) for plane in scene.planes)
-    receivers = _receivers(scene, mesh, plan, grids)
+    further = further_places(scene, grids, world.caster)
+    receivers = _receivers(scene, mesh, plan, grids, further)
     sides = Decision(
         "sides", f"{int(lit.sum())} of {2 * len(lit)} patch sides carry nodes", "the others receive no light"
     )
@@ -79,7 +83,7 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
         nodes = receivers[slice(0, len(mesh))]
         base = solve_base(world, mesh, nodes, labels=labels, lit=lit, seed=settings.seed, executor=executor)
     clock.lap("base")
-    return Stage(world, labels, mesh, receivers, grids, edge, plan, base)
+    return Stage(world, labels, mesh, receivers, grids, edge, plan, base, further)
 
 
 def _seen_nodes(
@@ -107,14 +111,19 @@ def require_absorption(scene: Scene, world: World) -> None:
 
 
 def _receivers(
-    scene: Scene, mesh: NodeMesh, plan: Plan, grids: tuple[tuple[FloatArray, tuple[int, int]], ...]
+    scene: Scene,
+    mesh: NodeMesh,
+    plan: Plan,
+    grids: tuple[tuple[FloatArray, tuple[int, int]], ...],
+    further: tuple[Places, ...],
 ) -> Receivers:
-    """Nodes first, then the points of all planes, then the eyes."""
+    """Nodes first, then the points of all planes, then the eyes, then the further places."""
     parts = [surface_receivers(mesh, plan.degrees)]
     for plane, (points, _) in zip(scene.planes, grids, strict=True):
         parts.append(space_receivers(points, _repeated(plane.normal, points), doublings=PLANE_DOUBLINGS))
     for eye in scene.observers:
         parts.append(space_receivers(eye.position[None], eye.direction[None], doublings=EYE_DOUBLINGS))
+    parts += [places.receivers() for places in further]
     return joined(parts)
 
 

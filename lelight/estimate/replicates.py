@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lelight.channels import luminance_weighted
+from lelight.channels import is_spectral, luminance_weighted
 from lelight.estimate.batch import Batch
 from lelight.receivers import ILLUMINANCE
 from lelight.scene import BoolArray, FloatArray
@@ -43,6 +43,7 @@ class Replicates:
     mean, square : (r,) float, luminance-weighted illuminance: running mean, and sum of squared deviations
     at_nodes : one (first_in_space,) float a batch, lx
     in_space, indirect_in_space : one (r - first_in_space, 6) float a batch, luminance-weighted moments
+    bands_in_space : one (r - first_in_space, C) float a batch, lx; empty where there are no spectral bands
     """
 
     first_in_space: int
@@ -54,6 +55,7 @@ class Replicates:
     at_nodes: list[FloatArray] = field(default_factory=list)
     in_space: list[FloatArray] = field(default_factory=list)
     indirect_in_space: list[FloatArray] = field(default_factory=list)
+    bands_in_space: list[FloatArray] = field(default_factory=list)
     count: int = 0
     vertices: int = 0
     rays: int = 0
@@ -76,6 +78,8 @@ class Replicates:
         space = slice(self.first_in_space, None)
         self.in_space.append(luminance_weighted(batch.direct[space] + batch.indirect[space]))
         self.indirect_in_space.append(luminance_weighted(batch.indirect[space]))
+        if is_spectral(batch.direct.shape[-1]):
+            self.bands_in_space.append(batch.direct[space, ILLUMINANCE] + batch.indirect[space, ILLUMINANCE])
         self.vertices += batch.vertices
         self.rays += batch.rays
         for stage, spent in batch.seconds.items():

@@ -13,8 +13,9 @@ from lelight.reading.inputfile import file_hash, quoted
 from lelight.reading.mtl import read_mtl
 from lelight.reading.obj import ObjGeometry, read_obj
 from lelight.reading.palette import Palette
+from lelight.reading.spectra import SpectrumFiles
 from lelight.reading.surfaces import lit_surfaces
-from lelight.scene import Scene
+from lelight.scene import Outdoor, Scene
 
 if TYPE_CHECKING:
     from lelight.reading.scenetables import SceneTables
@@ -37,6 +38,7 @@ def load(path: str | Path) -> Scene:
     geometry = read_obj(geometry_path)
     scene = _scene(given, scene_path, geometry_path, tables, geometry)
     require_light(scene)
+    _require_spectra(scene)
     return scene
 
 
@@ -54,6 +56,18 @@ def require_light(scene: Scene) -> None:
         raise SceneError(
             f"{where}: no light: no material emits and no luminaire has an intensity; give a material "
             "luminance or flux in the TOML (or Ke in the MTL), or add [[luminaires]] to the TOML"
+        )
+
+
+def _require_spectra(scene: Scene) -> None:
+    """Refuse a scene of which some lamps have a spectrum and some have none."""
+    from lelight.spectral.bands import is_spectral_scene, without_spectrum
+
+    if is_spectral_scene(scene) and (missing := without_spectrum(scene)):
+        named = ", ".join(quoted(name) for name in missing[:3])
+        raise SceneError(
+            f"{scene.path or scene.name}: no spectrum: {named}; where anything has a spectrum every emitter needs "
+            'one; give spectrum = "D65", a CIE name or a file, in the TOML'
         )
 
 
@@ -107,16 +121,24 @@ def _scene(
 ) -> Scene:
     libraries = tuple(read_mtl(library) for library in geometry.material_libraries)
     surfaces = lit_surfaces(geometry_path, geometry, unit=tables.unit, up=tables.up)
-    palette = Palette(libraries, tables.materials, scene_path)
-    read = [geometry_path, *geometry.material_libraries, *([scene_path] if scene_path else [])]
+    spectra = SpectrumFiles(scene_path or given)
+    palette = Palette(libraries, tables.materials, scene_path, spectra)
+    materials = tuple(map(palette.material, surfaces.material_names, surfaces.material_areas))
+    luminaires = point_luminaires(tables, scene_path, spectra)
+    read = [
+        geometry_path,
+        *geometry.material_libraries,
+        *([scene_path] if scene_path else []),
+        *spectra.paths,
+    ]
     said = (library.warnings for library in libraries)
     return Scene(
         name=given.stem,
         vertices=surfaces.vertices,
         triangles=surfaces.triangles,
         triangle_materials=surfaces.triangle_materials,
-        materials=tuple(map(palette.material, surfaces.material_names, surfaces.material_areas)),
-        luminaires=point_luminaires(tables, scene_path),
+        materials=materials,
+        luminaires=luminaires,
         observers=observers(tables),
         planes=measuring_planes(tables),
         settings=tables.calc.model_dump(exclude_none=True),
@@ -125,6 +147,7 @@ def _scene(
         path=given,
         files=_hashes(read, given.parent),
         warnings=sum(said, geometry.warnings) + surfaces.warnings + palette.warnings(surfaces.material_names),
+        outdoor=Outdoor(tables.outdoor.plane, tables.outdoor.reflectance) if tables.outdoor else None,
     )
 
 

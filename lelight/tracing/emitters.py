@@ -14,6 +14,7 @@ from numba import njit
 
 from lelight.channels import luminance_weights
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
+from lelight.spectral.bands import emission_in_channels
 from lelight.tracing.sampling import Vector
 from lelight.tracing.triangles import (
     sample_triangle,
@@ -89,7 +90,9 @@ def collect_emitters(scene: Scene, channels: FloatArray) -> Emitters:
     ----------
     channels : (3, C) float; turns linear RGB into the channels that are carried
     """
-    material_luminance = np.array([m.luminance for m in scene.materials]).reshape(-1, 3) @ channels
+    material_luminance = emission_in_channels(
+        [m.luminance for m in scene.materials], [m.emission_spectrum for m in scene.materials], channels
+    )
     emitting = np.flatnonzero(material_luminance[scene.triangle_materials].max(axis=1) > 0)
     both = np.array([m.emission_sides == "both" for m in scene.materials])
     corners = scene.corners[emitting]
@@ -104,7 +107,11 @@ def collect_emitters(scene: Scene, channels: FloatArray) -> Emitters:
         luminance=material_luminance[materials],
         both_sides=both[materials],
         positions=np.array([lamp.position for lamp in scene.luminaires]).reshape(-1, 3),
-        intensity=np.array([lamp.intensity for lamp in scene.luminaires]).reshape(-1, 3) @ channels,
+        intensity=emission_in_channels(
+            [lamp.intensity for lamp in scene.luminaires],
+            [lamp.spectrum for lamp in scene.luminaires],
+            channels,
+        ),
         power=np.empty(0),
         power_cdf=np.empty(0),
         weights=luminance_weights(count),
