@@ -1,4 +1,9 @@
-"""Channels: what the last axis of every photometric array stands for."""
+"""Channels: what the last axis of every photometric array stands for.
+
+One channel is grey, three are linear Rec. 709 components, four or more are spectral bands. A band's value is
+the luminous quantity of the band times the number of bands, so that the luminance is the mean of all bands:
+every band then counts the same in any sum, however little of it the eye sees.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +19,8 @@ def luminance_weighted(channels: ArrayLike, *, weights: ArrayLike | None = None)
     Parameters
     ----------
     channels : (..., C) float
-    weights : (C,) float; default 1 for one channel and Rec. 709's (ITU-R BT.709-6, item 3.2) for three
+    weights : (C,) float; default 1 for one channel, Rec. 709's (ITU-R BT.709-6, item 3.2) for three, 1/C for
+        spectral bands
 
     Returns
     -------
@@ -22,6 +28,11 @@ def luminance_weighted(channels: ArrayLike, *, weights: ArrayLike | None = None)
     """
     values = np.asarray(channels, dtype=np.float64)
     return np.asarray(values @ _weights(values.shape[-1], weights))
+
+
+def is_spectral(count: int) -> bool:
+    """Say whether this many channels are spectral bands."""
+    return count > len(LUMINANCE_WEIGHTS)
 
 
 def channel_suffixes(count: int) -> tuple[str, ...]:
@@ -35,6 +46,8 @@ def _weights(count: int, given: ArrayLike | None) -> FloatArray:
         weights = np.asarray(given, dtype=np.float64)
     elif count in (1, 3):
         weights = np.ones(1) if count == 1 else LUMINANCE_WEIGHTS
+    elif is_spectral(count):
+        weights = np.full(count, 1.0 / count)
     else:
         raise ValueError(f"weights: {count} channels have no default luminance weights")
     if weights.shape != (count,):
@@ -43,17 +56,28 @@ def _weights(count: int, given: ArrayLike | None) -> FloatArray:
 
 
 def luminance_weights(count: int) -> FloatArray:
-    """Weights (C,) that turn C channels into one luminance: 1 for grey, Rec. 709's for RGB."""
+    """Weights (C,) that turn C channels into one luminance: 1 for grey, Rec. 709's for RGB, 1/C for bands."""
     return _weights(count, None)
 
 
 def channel_matrix(count: int) -> FloatArray:
     """Matrix (3, C) that turns linear Rec. 709 components into the channels carried.
 
-    One channel is the luminance of the colour, three are the components themselves.
+    One channel is the luminance of the colour, three are the components themselves. Bands take the component
+    in whose range they lie (blue below 490 nm, green, red from 580 nm): a rough colour, an exact grey.
     """
     if count == 1:
         return LUMINANCE_WEIGHTS[:, None]
     if count == len(LUMINANCE_WEIGHTS):
         return np.eye(count)
+    if is_spectral(count):
+        return _component_of_bands(count)
     raise ValueError(f"count: {count} channels cannot be made from three colour components")
+
+
+def _component_of_bands(count: int) -> FloatArray:
+    """Matrix (3, C) with a single one in each column."""
+    from lelight.spectral.bands import BLUE_GREEN, GREEN_RED, band_centres
+
+    component = 2 - np.digitize(band_centres(count), [BLUE_GREEN, GREEN_RED])
+    return np.asarray(np.eye(3)[:, component])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lelight.photometry.photometry import Photometry
-from lelight.scene import FloatArray, PointLuminaire
+from lelight.scene import FloatArray, PointLuminaire, Spectrum
 
 
 @dataclass(frozen=True)
@@ -22,6 +22,8 @@ class PhotometricLuminaire:
     factor : float, times the file's intensities: dimming, maintenance, and lamps that depend on tilt
     housing : shell pattern of the materials that do not block this luminaire's own light; empty for none
     path : photometric file as the scene file names it
+    maintenance : float, the part of ``factor`` that is maintenance
+    spectrum : of the light, None where only its colour is known
     """
 
     name: str
@@ -31,6 +33,8 @@ class PhotometricLuminaire:
     factor: float = 1.0
     housing: str = ""
     path: str = ""
+    maintenance: float = 1.0
+    spectrum: Spectrum | None = None
 
     @property
     def aim(self) -> FloatArray:

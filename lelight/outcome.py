@@ -68,9 +68,11 @@ def found_on_planes(scene: Scene, stage: Stage, replicates: Replicates) -> tuple
     by_batch = np.array(replicates.in_space)
     first = 0
     planes = []
-    for plane, (points, shape) in zip(scene.planes, stage.grids, strict=True):
+    for number, (plane, (points, shape)) in enumerate(zip(scene.planes, stage.grids, strict=True)):
         own = slice(first, first + len(points))
         at = slice(len(stage.mesh) + own.start, len(stage.mesh) + own.stop)
+        further = _further(stage, number, kinds=("vertical", "surrounding", "background"))
+        vertical = by_batch[:, further.pop("vertical"), ILLUMINANCE]
         planes.append(
             PlaneValues(
                 plane=plane,
@@ -81,6 +83,10 @@ def found_on_planes(scene: Scene, stage: Stage, replicates: Replicates) -> tuple
                 cylindrical=np.maximum(by_batch[:, own, CYLINDRICAL].mean(axis=0), 0.0),
                 replicates=by_batch[:, own, ILLUMINANCE],
                 cylindrical_replicates=by_batch[:, own, CYLINDRICAL],
+                moment_replicates=by_batch[:, own],
+                vertical_replicates=vertical.reshape(len(by_batch), len(points), -1),
+                area_replicates={kind: by_batch[:, place, ILLUMINANCE] for kind, place in further.items()},
+                band_replicates=_bands(replicates, own),
             )
         )
         first += len(points)
@@ -91,10 +97,10 @@ def found_at_probes(stage: Stage, replicates: Replicates) -> InterpolationError 
     """Hold what is interpolated between the nodes against what was estimated there."""
     if replicates.count < 2:
         return None
-    light = np.array(replicates.illuminance)
+    end = len(stage.receivers) - sum(len(places.points) for places in stage.further)
     return interpolation_error(
         replicates.at_nodes,
-        light[:, light.shape[1] - len(stage.probes) :],
+        np.array(replicates.illuminance)[:, end - len(stage.probes) : end],
         nodes=stage.probes.nodes,
         weights=stage.probes.weights,
     )
@@ -103,7 +109,8 @@ def found_at_probes(stage: Stage, replicates: Replicates) -> InterpolationError 
 def found_at_eyes(scene: Scene, stage: Stage, replicates: Replicates) -> tuple[ObserverValues, ...]:
     """Read the eyes' illuminances off the totals."""
     indirect = np.array(replicates.indirect_in_space)[..., ILLUMINANCE]
-    total = np.array(replicates.in_space)[..., ILLUMINANCE]
+    moments = np.array(replicates.in_space)
+    total = moments[..., ILLUMINANCE]
     first = sum(len(points) for points, _ in stage.grids)
     return tuple(
         ObserverValues(
@@ -111,6 +118,34 @@ def found_at_eyes(scene: Scene, stage: Stage, replicates: Replicates) -> tuple[O
             direct=float(np.mean(total[:, k] - indirect[:, k])),
             indirect=float(np.mean(indirect[:, k])),
             indirect_replicates=indirect[:, k],
+            moment_replicates=moments[:, k],
+            turned_indirect=_turned(stage, indirect, k, k - first),
+            turned_total=_turned(stage, total, k, k - first),
+            band_replicates=_bands(replicates, k),
         )
         for k, eye in enumerate(scene.observers, start=first)
     )
+
+
+def _turned(stage: Stage, illuminance: FloatArray, own: int, number: int) -> FloatArray:
+    """Illuminance (R, 24) of an eye, of its own line of sight and of those it could turn to."""
+    rest = _further(stage, number, kinds=("turned",))["turned"]
+    return np.concatenate([illuminance[:, [own]], illuminance[:, rest]], axis=1)
+
+
+def _further(stage: Stage, owner: int, *, kinds: tuple[str, ...]) -> dict[str, slice]:
+    """Where the further places of a plane or an eye stand among the receivers in space."""
+    first = len(stage.receivers) - len(stage.mesh) - sum(len(places.points) for places in stage.further)
+    found = {}
+    for places in stage.further:
+        if places.owner == owner and places.kind in kinds:
+            found[str(places.kind)] = slice(first, first + len(places.points))
+        first += len(places.points)
+    return found
+
+
+def _bands(replicates: Replicates, at: slice | int) -> FloatArray | None:
+    """Illuminance in bands by batch, (R, ..., C), where the run carries spectral bands."""
+    if not replicates.bands_in_space:
+        return None
+    return np.array([bands[at] for bands in replicates.bands_in_space])

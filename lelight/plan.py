@@ -10,6 +10,7 @@ import numpy as np
 from lelight.harmonics.zonal import degree_for
 from lelight.luminaires import PhotometricLuminaire
 from lelight.scene import IntArray, Material, Scene
+from lelight.spectral.bands import BANDS, is_spectral_scene
 
 Method = Literal["sh", "grid"]
 
@@ -69,6 +70,8 @@ def stored_degree(material: Material) -> int:
 
 
 def _channels(scene: Scene) -> tuple[int, Decision]:
+    if is_spectral_scene(scene):
+        return BANDS, Decision("channels", f"{BANDS} (bands of 10 nm)", "spectra are given")
     coloured = [m.name for m in scene.materials if not _grey(m)]
     coloured += [
         lamp.name for lamp in scene.luminaires if np.ptp(lamp.intensity) > _tolerance(lamp.intensity)

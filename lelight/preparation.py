@@ -23,6 +23,7 @@ from lelight.mesh.refinement import refine
 from lelight.mesh.remesh import default_edge, remesh
 from lelight.metrics.grid import grid_points
 from lelight.pilot import buried, lit_sides, touching
+from lelight.places import Places, further_places
 from lelight.plan import Decision, Plan, make_plan
 from lelight.receivers import Receivers, joined, space_receivers, surface_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
@@ -55,11 +56,12 @@ class Stage:
     Attributes
     ----------
     labels : (n_t,) int, patch of each traced triangle
-    receivers : nodes first, then the points of all planes, then the eyes, then the probes
+    receivers : nodes first, then the points of all planes, then the eyes, then the probes, then the further places
     grids : points (k, 3) and shape (rows, columns) of each plane
     edge : float, m, of the node mesh
     base : field on which the estimate stands, None where there is none
-    probes : points between the nodes, the last of the receivers
+    probes : points between the nodes
+    further : places beside grid points and eyes, in the order of their receivers, the last of all
     """
 
     world: World
@@ -71,6 +73,7 @@ class Stage:
     plan: Plan
     base: BaseField | None
     probes: Probes
+    further: tuple[Places, ...]
 
 
 def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) -> Stage:
@@ -90,7 +93,8 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
     clock.lap("pilot")
     grids = tuple(grid_points(plane) for plane in scene.planes)
     probes = draw_probes(mesh, scene.corners, labels, seed=settings.seed)
-    receivers = _receivers(scene, mesh, plan, grids, probes)
+    further = further_places(scene, grids, world.caster)
+    receivers = _receivers(scene, mesh, plan, grids, probes, further)
     sides = Decision(
         "sides", f"{int(lit.sum())} of {2 * len(lit)} patch sides carry nodes", "the others receive no light"
     )
@@ -103,7 +107,7 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
         if base.spots:
             plan = replace(plan, decisions=(*plan.decisions, SPOTS))
     clock.lap("base")
-    return Stage(world, labels, mesh, receivers, grids, edge, plan, base, probes)
+    return Stage(world, labels, mesh, receivers, grids, edge, plan, base, probes, further)
 
 
 def _adapted(
@@ -191,14 +195,16 @@ def _receivers(
     plan: Plan,
     grids: tuple[tuple[FloatArray, tuple[int, int]], ...],
     probes: Probes,
+    further: tuple[Places, ...],
 ) -> Receivers:
-    """Nodes first, then the points of all planes, then the eyes, then the probes."""
+    """Nodes first, then the points of all planes, then the eyes, then the probes, then the further places."""
     parts = [surface_receivers(mesh, plan.degrees)]
     for plane, (points, _) in zip(scene.planes, grids, strict=True):
         parts.append(space_receivers(points, _repeated(plane.normal, points), doublings=PLANE_DOUBLINGS))
     for eye in scene.observers:
         parts.append(space_receivers(eye.position[None], eye.direction[None], doublings=EYE_DOUBLINGS))
     parts.append(with_surface(space_receivers(probes.points, probes.normals)))
+    parts += [places.receivers() for places in further]
     return joined(parts)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,10 @@ class PlaneValues:
     illuminance, std_error, cylindrical : (rows * columns,) float, lx
     replicates : (R, rows * columns) float, lx: illuminance by each independent batch
     cylindrical_replicates : (R, rows * columns) float, lx
+    moment_replicates : (R, rows * columns, 6) float, lx; rows as in `lelight.receivers`
+    vertical_replicates : (R, rows * columns, 4) float, lx, on faces toward +x, +y, -x, -y
+    area_replicates : (R, k) float, lx, by ``surrounding`` and ``background``, where they are asked for
+    band_replicates : (R, rows * columns, C) float, lx in spectral bands; None without spectra
     """
 
     plane: MeasuringPlane
@@ -56,6 +60,10 @@ class PlaneValues:
     cylindrical: FloatArray
     replicates: FloatArray
     cylindrical_replicates: FloatArray
+    moment_replicates: FloatArray | None = None
+    vertical_replicates: FloatArray | None = None
+    area_replicates: dict[str, FloatArray] = field(default_factory=dict)
+    band_replicates: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -66,9 +74,16 @@ class ObserverValues:
     ----------
     direct, indirect : float, lx: straight from emitters, and all the rest
     indirect_replicates : (R,) float, lx: by each independent batch
+    moment_replicates : (R, 6) float, lx; rows as in `lelight.receivers`
+    turned_indirect, turned_total : (R, 24) float, lx: were the eye turned in steps of 15 degrees, itself first
+    band_replicates : (R, C) float, lx in spectral bands; None without spectra
     """
 
     observer: Observer
     direct: float
     indirect: float
     indirect_replicates: FloatArray
+    moment_replicates: FloatArray | None = None
+    turned_indirect: FloatArray | None = None
+    turned_total: FloatArray | None = None
+    band_replicates: FloatArray | None = None

@@ -26,6 +26,53 @@ EmissionSides = Literal["front", "both"]
 
 
 @dataclass(frozen=True)
+class Spectrum:
+    """A spectral distribution, linear between its samples and zero beyond them.
+
+    Attributes
+    ----------
+    name : file or CIE name it comes from
+    wavelengths : (k,) float, nm, ascending
+    amounts : (k,) float; reflectance, or power in any unit
+    """
+
+    name: str
+    wavelengths: FloatArray
+    amounts: FloatArray
+
+    def at(self, wavelengths: FloatArray) -> FloatArray:
+        """Amounts (n,) at wavelengths (n,) in nm."""
+        return np.asarray(np.interp(wavelengths, self.wavelengths, self.amounts, left=0.0, right=0.0))
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """What makes a pixel part of a glare source: an absolute luminance, or a multiple of a mean.
+
+    Attributes
+    ----------
+    luminance : float, cd/m², with ``absolute``; a factor with the others
+    """
+
+    luminance: float
+    kind: Literal["absolute", "task", "picture"] = "absolute"
+
+
+@dataclass(frozen=True)
+class Outdoor:
+    """What an outdoor scene declares for its glare rating.
+
+    Attributes
+    ----------
+    plane : name of the measuring plane on the ground
+    reflectance : float, of the ground
+    """
+
+    plane: str
+    reflectance: float
+
+
+@dataclass(frozen=True)
 class Material:
     """Reflection and emission of a surface.
 
@@ -37,6 +84,8 @@ class Material:
     luminance : (3,) float, emitted luminance in cd/m², the same in every direction
     emission_sides : which sides emit; the front is where the face's vertices run anticlockwise
     origin : where the values come from, for the material table (``office.mtl:12, office.toml "floor*"``)
+    reflectance_spectrum : of the Lambertian lobe; wins over ``diffuse`` where bands are carried
+    emission_spectrum : of the emitted light, relative; None where no spectrum is known
     """
 
     name: str
@@ -46,6 +95,8 @@ class Material:
     luminance: FloatArray = field(default_factory=lambda: np.zeros(3))
     emission_sides: EmissionSides = "front"
     origin: str = "default"
+    reflectance_spectrum: Spectrum | None = None
+    emission_spectrum: Spectrum | None = None
 
     @property
     def emits(self) -> bool:
@@ -66,20 +117,32 @@ class PointLuminaire:
     ----------
     position : (3,) float, m
     intensity : (3,) float, cd for each colour component, dimming and maintenance already applied
+    maintenance : float, the maintenance factor that is in the intensity
+    spectrum : of its light, relative; None where no spectrum is known
     """
 
     name: str
     position: FloatArray
     intensity: FloatArray
+    maintenance: float = 1.0
+    spectrum: Spectrum | None = None
 
 
 @dataclass(frozen=True)
 class Observer:
-    """An eye: ``position`` (3,) m and unit ``direction`` (3,) of its line of sight."""
+    """An eye: ``position`` (3,) m and unit ``direction`` (3,) of its line of sight.
+
+    Attributes
+    ----------
+    task : (3,) float, m, what it works on; None where that is the line of sight
+    threshold : float, cd/m², above which a pixel of its picture is a glare source; None for the usual
+    """
 
     name: str
     position: FloatArray
     direction: FloatArray
+    task: FloatArray | None = None
+    threshold: Threshold | None = None
 
 
 @dataclass(frozen=True)
@@ -89,7 +152,9 @@ class MeasuringPlane:
     Attributes
     ----------
     origin, u, v : (3,) float, m; one corner and the two edge vectors
-    target : requirements by name: ``mean_illuminance`` (lx), ``uniformity``, ``ugr``
+    target : requirements by name: ``mean_illuminance`` (lx), ``uniformity``, ``ugr`` and others
+    wall_band : float, m, that was taken off the rectangle at each side
+    surrounding, background : float, m, widths of the bands around it that are rated, 0 for none
     """
 
     name: str
@@ -97,6 +162,9 @@ class MeasuringPlane:
     u: FloatArray
     v: FloatArray
     target: dict[str, float] = field(default_factory=dict)
+    wall_band: float = 0.0
+    surrounding: float = 0.0
+    background: float = 0.0
 
     @property
     def normal(self) -> FloatArray:
@@ -120,6 +188,7 @@ class Scene:
     unit : length unit of the input file
     files : SHA-256 by file name, of everything that was read
     warnings : what reading had to say
+    outdoor : what an outdoor scene declares for CIE 112, None indoors
     """
 
     name: str
@@ -136,6 +205,7 @@ class Scene:
     path: Path | None = None
     files: dict[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    outdoor: Outdoor | None = None
 
     @property
     def corners(self) -> FloatArray:

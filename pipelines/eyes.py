@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -14,13 +15,20 @@ from lelight.channels import luminance_weighted
 from lelight.field import RadianceField
 from lelight.luminaires import Luminaire
 from lelight.metrics.cie117 import EmitterPatch, GlareSource, glare_sources, point_source
+from lelight.metrics.distribution import luminance_distribution
 from lelight.metrics.luminaireglare import luminaire_source
 from lelight.metrics.picture import PictureGlare, picture_glare
-from lelight.scene import BoolArray, FloatArray, Observer, PointLuminaire
+from lelight.metrics.zones import statistics, threshold_luminance, zone_statistics
+from lelight.places import turned
+from lelight.scene import BoolArray, FloatArray, Observer, PointLuminaire, Threshold
 from lelight.tracing.world import World
 
 #: Rays to an opening end this many surface offsets before it.
 CLEARANCE = 4.0
+
+
+#: Threshold of glare sources in pictures where the scene names none, that of evalglare.
+USUAL_THRESHOLD = Threshold(2000.0)
 
 
 @dataclass(frozen=True)
@@ -33,6 +41,9 @@ class Sight:
     view : Radiance's view options
     sources : the luminous openings as the eye sees them
     glare : ratings taken from the picture
+    zones : luminance statistics of task, surround and background, and of the whole view
+    distribution : of luminance over the view, research
+    turned : sources seen by each of 24 lines of sight, turned by 15 degrees, itself first
     """
 
     observer: Observer
@@ -40,6 +51,9 @@ class Sight:
     view: str
     sources: tuple[GlareSource, ...]
     glare: PictureGlare
+    zones: dict[str, dict[str, float]]
+    distribution: dict[str, Any]
+    turned: tuple[tuple[GlareSource, ...], ...]
 
 
 def look(field: RadianceField, observer: Observer, *, size: int, samples: int, executor: Executor) -> Sight:
@@ -48,11 +62,29 @@ def look(field: RadianceField, observer: Observer, *, size: int, samples: int, e
     luminance = field.picture(camera, size, size, samples=samples, executor=executor)
     directions = np.zeros((size, size, 3))
     directions[camera.mask(size, size)] = camera.rays(size, size)[1]
-    glare = picture_glare(np.nan_to_num(luminance), camera.solid_angles(size, size), directions, observer)
-    return Sight(observer, luminance, camera.view(size, size), _sources(field, observer), glare)
+    shown, solid_angles = np.nan_to_num(luminance), camera.solid_angles(size, size)
+    threshold = threshold_luminance(
+        observer.threshold or USUAL_THRESHOLD, shown, solid_angles, directions, observer
+    )
+    glare = picture_glare(shown, solid_angles, directions, observer, threshold=threshold)
+    inside = solid_angles > 0
+    zones = zone_statistics(shown, solid_angles, directions, observer)
+    zones["view"] = statistics(shown[inside], solid_angles[inside])
+    turned_eyes = [replace(observer, direction=direction) for direction in turned(observer.direction)]
+    seen = tuple(sources_seen(field, eye) for eye in turned_eyes)
+    return Sight(
+        observer,
+        luminance,
+        camera.view(size, size),
+        seen[0],
+        glare,
+        zones,
+        luminance_distribution(shown, solid_angles),
+        seen,
+    )
 
 
-def _sources(field: RadianceField, observer: Observer) -> tuple[GlareSource, ...]:
+def sources_seen(field: RadianceField, observer: Observer) -> tuple[GlareSource, ...]:
     """See openings first, luminaires after them."""
 
     def visible(origins: FloatArray, targets: FloatArray) -> BoolArray:

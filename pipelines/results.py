@@ -33,12 +33,13 @@ def _read_json(path: Path, out: Path) -> dict[str, Any]:
 
 
 def table_lines(table: dict[str, Any]) -> list[str]:
-    """Figures as text, a line each: where, what, value ± two standard errors, verdict."""
+    """Figures as text, a line each: where, what, value ± two standard errors, verdict, source."""
     lines = []
     for row in rows(table):
         where = f"{row['group']} {row['name']}".strip()
         lines.append(
-            f"{where:28} {row['figure']:28} {_measured(row):>24} {row.get('verdict') or ''}".rstrip()
+            f"{where:28} {row['figure']:31} {_measured(row):>24} {row.get('verdict') or '':9} "
+            f"{row.get('clause') or ''}".rstrip()
         )
     return lines
 

@@ -28,13 +28,39 @@ TERMS: dict[str, Term] = {
     "diversity": Term("Diversity Emin / Emax", "Ud"),
     "mean_cylindrical_illuminance": Term("Mean cylindrical illuminance", "Ez"),
     "modelling": Term("Modelling index", "Ez / Em"),
+    "cylindrical_uniformity": Term("Uniformity of Ez", "U0 of Ez"),
+    "mean_scalar_illuminance": Term("Mean spherical illuminance", "E_sr"),
+    "mean_hemispherical_illuminance": Term("Mean hemispherical illuminance", "E_hs"),
+    "vector_over_scalar": Term("Light vector / scalar illuminance", "|E| / E_sr"),
     "ugr": Term("Unified glare rating, from emitters", "UGR", "at most"),
+    "ugr_max": Term("Largest UGR of 24 bearings", "UGR", "at most"),
+    "ugr_small_sources": Term("UGR with small sources, CIE 147", "UGR", "at most"),
+    "ggr": Term("Great room glare rating, CIE 147", "GGR", "at most"),
+    "ugr_non_uniform": Term("UGR of non-uniform sources, CIE 232", "UGR'", "at most"),
+    "gr": Term("Glare rating outdoors, CIE 112", "GR", "at most"),
     "ugr_picture": Term("Unified glare rating, from the picture", "UGR", "at most"),
     "dgp": Term("Daylight glare probability", "DGP", "at most"),
+    "dgi": Term("Daylight glare index", "DGI", "at most"),
+    "dgi_modified": Term("Modified daylight glare index", "DGI mod", "at most"),
+    "cgi": Term("CIE glare index", "CGI", "at most"),
+    "vcp": Term("Visual comfort probability", "VCP"),
+    "ugp": Term("Unified glare probability", "UGP", "at most"),
+    "ugp2": Term("Unified glare probability 2017", "UGP2", "at most"),
+    "ugr_experimental": Term("Experimental UGR", "UGR exp", "at most"),
+    "veiling_luminance": Term("Veiling luminance, Poynter", "Lv", "at most"),
+    "veiling_luminance_cie": Term("Veiling luminance, CIE 146", "Lv", "at most"),
     "background_luminance": Term("Background luminance", "Lb"),
     "vertical_illuminance": Term("Vertical illuminance", "Ev"),
     "direct_vertical_illuminance": Term("Direct vertical illuminance", "Edir"),
     "indirect_vertical_illuminance": Term("Indirect vertical illuminance", "Eind"),
+    "cct": Term("Correlated colour temperature", "CCT"),
+    "duv": Term("Distance from the Planckian locus", "Duv"),
+    "ra": Term("Colour rendering index", "Ra"),
+    "r9": Term("Special colour rendering index, red", "R9"),
+    "rf": Term("Colour fidelity index", "Rf"),
+    "rg": Term("Colour gamut index", "Rg"),
+    "melanopic_edi": Term("Melanopic equivalent daylight illuminance", "mEDI"),
+    "melanopic_der": Term("Melanopic daylight efficacy ratio", "mDER"),
     "mean_surface_illuminance": Term("Mean surface illuminance", "Es"),
     "mean_room_surface_exitance": Term("Mean room surface exitance", "MRSE"),
 }
@@ -59,7 +85,7 @@ SETTINGS: dict[str, tuple[str, str]] = {
     "threads": ("Threads", ""),
 }
 
-ABBREVIATIONS = frozenset({"sh", "ugr", "dgp", "ies", "rgb"})
+ABBREVIATIONS = frozenset({"sh", "ugr", "dgp", "ies", "rgb", "edi", "der"})
 
 VERDICTS: dict[str, str] = {"pass": "✓ pass", "fail": "✗ fail", "undecided": "○ undecided"}
 

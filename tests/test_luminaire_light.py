@@ -198,7 +198,8 @@ def test_near_luminaires_closed_form_is_what_drawing_gives(tmp_path):
 
     receivers = with_surface(space_receivers(points, np.tile(UP, (3, 1))))
     drawn = [
-        direct_light(world, receivers, samples=Stretch.of(8), seed=(k, 9))[0][:, ILLUMINANCE, 0] for k in range(24)
+        direct_light(world, receivers, samples=Stretch.of(8), seed=(k, 9))[0][:, ILLUMINANCE, 0]
+        for k in range(24)
     ]
     assert agrees(np.array(drawn), closed, relative_error=2e-3)
     assert not agrees(np.array(drawn), 1.02 * closed, relative_error=2e-3)

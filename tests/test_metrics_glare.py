@@ -10,9 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lelight.metrics.cie117 import GlareSource, glare_sources, point_source, ugr
+from lelight.metrics.exceptional import exceptional_figures
 from lelight.metrics.glare import observer_figures
 from lelight.metrics.guth_table import POSITION_INDEX
 from lelight.metrics.opening import EmitterPatch, cells, solid_angles
+from lelight.metrics.outdoor import outdoor_figures
 from lelight.metrics.position import (
     below_line_of_sight,
     guth,
@@ -21,8 +23,9 @@ from lelight.metrics.position import (
     position_index,
     sight_coordinates,
 )
+from lelight.metrics.sweep import largest, rose
 from lelight.results import ObserverValues
-from lelight.scene import Observer, PointLuminaire
+from lelight.scene import Observer, Outdoor, PointLuminaire
 
 EXACT = 1e-9
 OBSERVER = Observer("eye", np.array([0.0, 0.0, 1.2]), np.array([0.0, 1.0, 0.0]))
@@ -381,3 +384,61 @@ def test_no_source_passes_and_no_background_is_undecided():
     black = observer_figures(at_eye([0.0, 0.0]), panel_sources(guth), target_ugr=19.0)["ugr"]
     assert (black.value, black.verdict) == (None, "undecided")
     assert "indirect" in black.note
+
+
+def test_the_worked_example_as_a_figure():
+    # Lb = 30 cd/m² from an indirect illuminance of 30 π lx, without noise: exactly the rating of the example.
+    indirect = np.full(8, 30 * math.pi)
+    at_eye = ObserverValues(OBSERVER, 0.0, 30 * math.pi, indirect)
+    figures = observer_figures(at_eye, panel_sources(guth), target_ugr=22.0)
+    assert figures["background_luminance"].value == pytest.approx(30.0, rel=EXACT)
+    assert figures["ugr"].value == pytest.approx(21.35260241230295, rel=EXACT)
+    assert figures["ugr"].verdict == "pass"
+
+
+def test_small_large_and_uniform_sources_are_rated_beside():
+    indirect = np.array([0.99, 1.0, 1.01, 1.0]) * 100
+    at_eye = ObserverValues(OBSERVER, 200.0, 100.0, indirect)
+    plain = exceptional_figures(at_eye, panel_sources(guth), ceiling_coverage=0.3)
+    assert plain["ugr_small_sources"].value is None and "does not apply" in plain["ggr"].note
+    assert plain["ugr_non_uniform"].value == pytest.approx(ugr(panel_sources(guth), 100 / math.pi), rel=EXACT)
+    small = GlareSource("s", 5e5, 1e-3 / 9, np.array([0, 1.0, 0]), 1.0, 0.0, 0.0, 4.0, projected_area=1e-3)
+    # I = 500 cd at 3 m and p = 4, as in the example of CIE 147: L² ω becomes 200 I² / r².
+    rated = exceptional_figures(at_eye, [small], ceiling_coverage=0.3)["ugr_small_sources"]
+    expected = 8 * math.log10(0.25 * math.pi / 100 * 5555555.555555556 / 16)
+    assert rated.value == pytest.approx(expected, rel=EXACT)
+    large = GlareSource("l", 3000.0, 0.2, np.array([0, 1.0, 0]), 1.0, 0.0, 0.0, 2.0, projected_area=2.0)
+    great = exceptional_figures(at_eye, [large], ceiling_coverage=0.5)["ggr"]
+    base = ugr([large], 100 / math.pi)
+    contrast = 2.55 * (1 + 200 / 220) / (1 + 200 / 100)
+    assert great.value == pytest.approx(base + (1.18 - 0.36) * 8 * math.log10(contrast), rel=EXACT)
+    assert exceptional_figures(at_eye, [large], ceiling_coverage=0.1)["ggr"].value is None
+
+
+def test_the_largest_of_a_rose():
+    indirect = np.tile(np.array([[99.0], [101.0], [100.0], [100.0]]), (1, 24))
+    seen = [()] * 24
+    seen[3], seen[7] = tuple(panel_sources(guth)), tuple(panel_sources(guth)[:2])
+    petals = rose(seen, indirect)
+    assert petals[0]["ugr"] is None and petals[3]["turn"] == 45.0
+    worst = largest(petals, batches=4, target=19.0)
+    assert worst.value == pytest.approx(ugr(panel_sources(guth), 100 / math.pi), rel=EXACT)
+    assert worst.verdict == "fail" and "45°" in worst.note
+    none = largest(rose([()] * 24, indirect), batches=4, target=19.0)
+    assert (none.value, none.verdict) == (None, "pass")
+
+
+@pytest.mark.parametrize(("direction", "defined"), [((0.0, 1.0, -0.1), True), ((0.0, 1.0, 0.0), False)])
+def test_outdoor_rating_needs_a_view_down(direction, defined):
+    sight = np.array(direction) / np.linalg.norm(direction)
+    observer = Observer("eye", np.zeros(3), sight)
+    # One source 10 degrees above the line of sight.
+    up = np.array([0.0, -sight[2], sight[1]])
+    towards = math.cos(math.radians(10)) * sight + math.sin(math.radians(10)) * up
+    ground = np.array([[290.0], [300.0], [310.0]])
+    figures = outdoor_figures(observer, np.array([15.0]), towards[None], ground, Outdoor("g", 0.25))
+    assert (figures["gr"].value is not None) == defined
+    if defined:
+        veil = 0.035 * 0.25 * 300 / math.pi
+        assert figures["gr"].value == pytest.approx(27 + 24 * math.log10(10 * 15 / 100 / veil**0.9), rel=1e-9)
+        assert figures["gr"].std_error > 0

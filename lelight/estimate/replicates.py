@@ -13,7 +13,7 @@ from functools import reduce
 
 import numpy as np
 
-from lelight.channels import luminance_weighted
+from lelight.channels import is_spectral, luminance_weighted
 from lelight.estimate.batch import Batch
 from lelight.receivers import ILLUMINANCE
 from lelight.scene import BoolArray, FloatArray
@@ -57,6 +57,7 @@ class Replicates:
     angular : (g, width, C) float, likewise
     illuminance : one (r,) float a replicate, lx, luminance-weighted
     in_space, indirect_in_space : one (r - first_in_space, 6) float a replicate, luminance-weighted moments
+    bands_in_space : one (r - first_in_space, C) float a replicate, lx; empty where there are no spectral bands
     """
 
     first_in_space: int
@@ -67,6 +68,7 @@ class Replicates:
     illuminance: list[FloatArray] = field(default_factory=list)
     in_space: list[FloatArray] = field(default_factory=list)
     indirect_in_space: list[FloatArray] = field(default_factory=list)
+    bands_in_space: list[FloatArray] = field(default_factory=list)
     vertices: int = 0
     rays: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
@@ -83,6 +85,8 @@ class Replicates:
         self.illuminance.append(self._seen(mean))
         self.in_space.append(self._moments_in_space(mean.direct + mean.indirect))
         self.indirect_in_space.append(self._moments_in_space(mean.indirect))
+        if is_spectral(mean.direct.shape[-1]):
+            self.bands_in_space.append(self._bands_in_space(mean))
 
     def double(self, batches: Iterable[Batch]) -> None:
         """Give every replicate as many points again as it has: one batch each, in their order."""
@@ -95,6 +99,8 @@ class Replicates:
             self.in_space[k] = 0.5 * (self.in_space[k] + total)
             indirect = self._moments_in_space(batch.indirect)
             self.indirect_in_space[k] = 0.5 * (self.indirect_in_space[k] + indirect)
+            if self.bands_in_space:
+                self.bands_in_space[k] = 0.5 * (self.bands_in_space[k] + self._bands_in_space(batch))
         self.direct *= 0.5
         self.indirect *= 0.5
         self.angular *= 0.5
@@ -127,6 +133,9 @@ class Replicates:
 
     def _moments_in_space(self, moments: FloatArray) -> FloatArray:
         return luminance_weighted(moments[self.first_in_space :])
+
+    def _bands_in_space(self, batch: Batch) -> FloatArray:
+        return np.asarray((batch.direct + batch.indirect)[self.first_in_space :, ILLUMINANCE])
 
     def _counted(self, batch: Batch) -> Batch:
         """Count what a batch took, and hand it on."""

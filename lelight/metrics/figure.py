@@ -29,6 +29,7 @@ class Figure:
     verdict : None where there is no target
     clause : the requirement it is compared with, or the publication that defines it
     note : what a reader must know besides
+    interval : ends of the 95 % interval, Student's; None without a standard error
     """
 
     value: float | None
@@ -39,6 +40,7 @@ class Figure:
     target: float | None = None
     clause: str = ""
     note: str = ""
+    interval: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         """Refuse what JSON cannot hold and what nobody can read."""
@@ -46,11 +48,16 @@ class Figure:
             number = getattr(self, name)
             if number is not None and not math.isfinite(number):
                 raise ValueError(f"{name} must be finite or None, found {number}")
+        if self.interval is not None and not np.all(np.isfinite(self.interval)):
+            raise ValueError(f"interval must be finite or None, found {self.interval}")
 
     def to_json(self) -> dict[str, Any]:
         """Object of ``metrics.json``; verdict and target are absent without a target, empty texts always."""
         numbers = {"value": self.value, "unit": self.unit, "std_error": self.std_error, "method": self.method}
-        judged = {} if self.target is None else {"verdict": self.verdict, "target": self.target}
+        judged: dict[str, Any] = (
+            {} if self.target is None else {"verdict": self.verdict, "target": self.target}
+        )
+        judged |= {} if self.interval is None else {"interval": list(self.interval)}
         texts = {"clause": self.clause, "note": self.note}
         return numbers | judged | {name: text for name, text in texts.items() if text}
 
@@ -73,14 +80,16 @@ def judge(
     if std_error is None:
         return "undecided"
     margin = value - target if sense == "at_least" else target - value
-    half_width = _quantile(degrees_of_freedom) * std_error
+    half_width = half_width_95(std_error, degrees_of_freedom)
     if margin >= half_width:
         return "pass"
     return "fail" if margin < -half_width else "undecided"
 
 
-def _quantile(degrees_of_freedom: int | None) -> float:
-    return float(ndtri(0.975) if degrees_of_freedom is None else stdtrit(degrees_of_freedom, 0.975))
+def half_width_95(std_error: float, degrees_of_freedom: int | None) -> float:
+    """Half of a 95 % interval: Student's, or the normal one without degrees of freedom."""
+    quantile = ndtri(0.975) if degrees_of_freedom is None else stdtrit(degrees_of_freedom, 0.975)
+    return float(quantile * std_error)
 
 
 def from_replicates(
@@ -89,9 +98,9 @@ def from_replicates(
     """Estimate a function of means, with the error of the function itself by the jackknife.
 
     The standard error is ``sqrt((R - 1) / R · sum (t_r - mean t)²)``, t_r the function of the mean without
-    batch r (Efron & Tibshirani 1993, An Introduction to the Bootstrap, equation 11.5), so that a ratio, a
-    minimum or a logarithm gets its own error. A minimum over noisy points lies low by about their noise; this
-    is not corrected.
+    batch r (Efron & Tibshirani 1993, An Introduction to the Bootstrap, equation 11.5), so that a ratio or a
+    logarithm gets its own error. Not for a minimum over noisy points, which lies low by about their noise:
+    see `lelight.metrics.extremes`.
 
     Parameters
     ----------
@@ -126,6 +135,7 @@ def measured(
     target: float | None = None,
     sense: Sense = "at_least",
     undefined: str = "",
+    note: str = "",
 ) -> Figure:
     """Build the figure of a function of replicates.
 
@@ -135,13 +145,50 @@ def measured(
     undefined : the note of a figure without a value
     """
     value, std_error = from_replicates(function, replicates)
+    return stated(
+        value,
+        std_error,
+        batches=len(replicates),
+        unit=unit,
+        method=method,
+        clause=clause,
+        target=target,
+        sense=sense,
+        undefined=undefined,
+        note=note,
+    )
+
+
+def stated(
+    value: float,
+    std_error: float | None,
+    *,
+    batches: int,
+    unit: str,
+    method: str,
+    clause: str = "",
+    target: float | None = None,
+    sense: Sense = "at_least",
+    undefined: str = "",
+    note: str = "",
+) -> Figure:
+    """Build a figure from a value and its standard error over ``batches``: interval and verdict follow.
+
+    Parameters
+    ----------
+    value : NaN where the quantity is not defined; ``undefined`` then becomes the note
+    """
     if not math.isfinite(value):
         verdict: Verdict | None = None if target is None else "undecided"
         return Figure(None, unit, None, method, verdict, target, clause, undefined)
+    interval = None
+    if std_error is not None:
+        half = half_width_95(std_error, batches - 1)
+        interval = (value - half, value + half)
     if target is None:
-        return Figure(value, unit, std_error, method, clause=clause)
-    verdict = judge(value, std_error, target=target, sense=sense, degrees_of_freedom=len(replicates) - 1)
-    return Figure(value, unit, std_error, method, verdict, target, clause)
+        return Figure(value, unit, std_error, method, clause=clause, note=note, interval=interval)
+    verdict = judge(value, std_error, target=target, sense=sense, degrees_of_freedom=batches - 1)
+    return Figure(value, unit, std_error, method, verdict, target, clause, note, interval)
 
 
 def ratio(numerator: float, denominator: float) -> float:

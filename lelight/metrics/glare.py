@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from lelight.metrics.cie117 import GlareSource, glare_sum, ugr_of_sum
+from lelight.metrics.daylight_glare import View, dgp, ugr
 from lelight.metrics.figure import Figure, Verdict, measured
 from lelight.metrics.picture import PictureGlare
 from lelight.results import ObserverValues
+from lelight.scene import FloatArray
 
 _UGR = "CIE 117:1995"
 _RATED = "from the known emitters, their openings and visibility"
 #: A picture that holds less of the view hemisphere misses light that counts.
-_WHOLE = 0.99
+WHOLE = 0.99
+#: What carries the error of a picture's figure.
+CARRIED = "; error carried over from the indirect illuminance at the eye"
 
 
 def observer_figures(
@@ -30,7 +35,7 @@ def observer_figures(
     target_ugr : the rating that must not be exceeded
     """
     figures = {"ugr": _ugr_figure(values, sources, target_ugr)} | _light_figures(values)
-    return figures if picture is None else figures | picture_figures(picture)
+    return figures if picture is None else figures | picture_figures(picture, values.indirect_replicates)
 
 
 def _ugr_figure(values: ObserverValues, sources: Sequence[GlareSource], target: float | None) -> Figure:
@@ -71,15 +76,44 @@ def _light_figures(values: ObserverValues) -> dict[str, Figure]:
     }
 
 
-def picture_figures(picture: PictureGlare) -> dict[str, Figure]:
-    """Figures of a luminance picture; a picture has no error estimate of its own."""
-    count = len(picture.sources)
-    method = f"from the picture, {count} source{'s' * (count != 1)} above {picture.threshold:g} cd/m²"
-    if picture.covered < _WHOLE:
+def picture_figures(picture: PictureGlare, indirect: FloatArray | None = None) -> dict[str, Figure]:
+    """Rate a luminance picture, which has no error estimate of its own.
+
+    Parameters
+    ----------
+    indirect : (R,) float, lx, at the eye by batch: its relative error stands in for the picture's
+    """
+    method = picture_method(picture)
+    if picture.covered < WHOLE:
         note = f"not defined: the picture holds {100 * picture.covered:.0f} % of the view hemisphere"
         empty = Figure(None, "1", None, method, note=note)
         return {"ugr_picture": empty, "dgp": empty}
-    return {"ugr_picture": _picture_ugr(picture, method), "dgp": _dgp(picture, method)}
+    found = {"ugr_picture": _picture_ugr(picture, method), "dgp": _dgp(picture, method)}
+    if indirect is None or not float(indirect.mean()) > 0:
+        return found
+    functions = {"ugr_picture": ugr, "dgp": dgp}
+    return {name: _with_error(figure, functions[name], picture, indirect) for name, figure in found.items()}
+
+
+def _with_error(
+    figure: Figure, function: Callable[[View], float], picture: PictureGlare, indirect: FloatArray
+) -> Figure:
+    """Give a picture's figure the error of the indirect light, all but the sources moving with it."""
+    if figure.value is None:
+        return figure
+    rated = measured(
+        lambda share: function(picture.view.with_background(float(share))),
+        indirect / indirect.mean(),
+        unit=figure.unit,
+        method=figure.method + CARRIED,
+    )
+    return replace(rated, value=figure.value, clause=figure.clause, note=figure.note)
+
+
+def picture_method(picture: PictureGlare) -> str:
+    """Say by which rule the sources of a picture were found."""
+    count = len(picture.sources)
+    return f"from the picture, {count} source{'s' * (count != 1)} above {picture.threshold:.6g} cd/m²"
 
 
 def _picture_ugr(picture: PictureGlare, method: str) -> Figure:

@@ -42,6 +42,20 @@ def cell_counts(length_u: float, length_v: float) -> tuple[int, int]:
     )
 
 
+def grid_rule(length_u: float, length_v: float) -> str:
+    """Say how the grid of a rectangle (m) follows from its sides."""
+    shorter, longer = sorted((length_u, length_v))
+    long_one = longer >= 2 * shorter
+    d = shorter if long_one else longer
+    count_u, count_v = cell_counts(length_u, length_v)
+    cell_u, cell_v = length_u / count_u, length_v / count_v
+    return (
+        f"p = 0.2 · 5^(log10 d) = {grid_spacing(d):.4g} m for d = {d:.4g} m "
+        f"({'shorter side: 2:1 or longer' if long_one else 'longer side'}); counts rounded up to the next "
+        f"integer, {count_u} x {count_v}; cells {cell_u:.4g} m x {cell_v:.4g} m, aspect {cell_u / cell_v:.3g}"
+    )
+
+
 def _require_length(name: str, length: float) -> None:
     if not (math.isfinite(length) and length > 0):
         raise ValueError(f"{name} must be a positive length, found {length}")

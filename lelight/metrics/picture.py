@@ -14,6 +14,7 @@ import numpy as np
 
 from lelight.metrics.brightspots import label_spots
 from lelight.metrics.cie117 import ugr_of_sum
+from lelight.metrics.daylight_glare import View
 from lelight.metrics.position import position_index, sight_coordinates, sight_frame
 from lelight.scene import BoolArray, FloatArray, IntArray, Observer
 
@@ -50,6 +51,8 @@ class PictureGlare:
     background : cd/m², the illuminance without the sources, over π
     threshold : cd/m², above which a pixel belongs to a source
     covered : share of the view hemisphere that the picture holds; less than 1 leaves light out
+    view : the sums that further ratings are made of
+    labels : (h, w) int, number of the source from 1 on that a pixel belongs to, 0 for none
     """
 
     ugr: float | None
@@ -59,6 +62,8 @@ class PictureGlare:
     sources: tuple[PictureSource, ...]
     threshold: float
     covered: float
+    view: View
+    labels: IntArray
 
 
 def picture_glare(
@@ -68,6 +73,8 @@ def picture_glare(
     observer: Observer,
     *,
     threshold: float = 2000.0,
+    gap: float = MERGING_GAP,
+    peak: float = PEAK,
 ) -> PictureGlare:
     """Rate a luminance picture.
 
@@ -77,19 +84,22 @@ def picture_glare(
     solid_angles : (h, w) float, sr, exact; zero outside the view, where nothing else is looked at
     directions : (h, w, 3) float, unit, from the eye, scene axes
     threshold : float, cd/m²; see `mean_luminance` for multiples of the mean
+    gap : float, rad; spots are merged over gaps up to this one, peaks over half of it
+    peak : float, cd/m²; what is brighter is a source of its own, infinity for none
     """
     cos_theta = directions @ sight_frame(observer)[0]
     inside = (solid_angles > 0) & (cos_theta > 0)
     _check(luminance[inside], threshold)
     lit = np.where(inside, luminance, 0.0)
     weights = np.where(inside, solid_angles, 0.0)
-    labels = _label(lit, directions, threshold)
+    labels = _label(lit, directions, threshold, gap, peak)
     sources = _sources(labels, lit, weights, directions=directions, observer=observer)
     illuminance = lit * weights * np.where(inside, cos_theta, 0.0)
     background = float(illuminance[labels == 0].sum()) / math.pi
     total = math.fsum(source.glare for source in sources)
     rating = ugr_of_sum(total, background)
     vertical_illuminance = float(illuminance.sum())
+    mean = float(np.sum(lit * weights) / max(float(weights.sum()), np.finfo(float).tiny))
     return PictureGlare(
         ugr=rating if math.isfinite(rating) else None,
         dgp=daylight_glare_probability(total, vertical_illuminance),
@@ -98,6 +108,26 @@ def picture_glare(
         sources=sources,
         threshold=threshold,
         covered=min(float(weights.sum()) / (2 * math.pi), 1.0),
+        view=_view(sources, observer, vertical_illuminance, background, mean),
+        labels=labels,
+    )
+
+
+def _view(
+    sources: tuple[PictureSource, ...], observer: Observer, vertical: float, background: float, mean: float
+) -> View:
+    """Gather what further ratings need."""
+    forward = sight_frame(observer)[0]
+    cosines = np.array([float(source.direction @ forward) for source in sources])
+    return View(
+        luminance=np.array([source.luminance for source in sources]),
+        solid_angle=np.array([source.solid_angle for source in sources]),
+        position=np.array([source.position_index for source in sources]),
+        theta=np.arccos(np.clip(cosines, -1, 1)),
+        vertical=vertical,
+        direct=vertical - math.pi * background,
+        background=background,
+        mean=mean,
     )
 
 
@@ -125,12 +155,14 @@ def _check(luminance: FloatArray, threshold: float) -> None:
         raise ValueError("luminance must be finite and not negative wherever solid_angles is positive")
 
 
-def _label(luminance: FloatArray, directions: FloatArray, threshold: float) -> IntArray:
+def _label(
+    luminance: FloatArray, directions: FloatArray, threshold: float, gap: float, brightest: float
+) -> IntArray:
     """Give each spot its number, then each peak within them."""
     bright = luminance > threshold
-    peak: BoolArray = bright & (luminance > PEAK)
-    labels, count = label_spots(bright & ~peak, directions, gap=MERGING_GAP)
-    peaks, _ = label_spots(peak, directions, gap=MERGING_GAP / 2)
+    peak: BoolArray = bright & (luminance > brightest)
+    labels, count = label_spots(bright & ~peak, directions, gap=gap)
+    peaks, _ = label_spots(peak, directions, gap=gap / 2)
     return np.where(peaks > 0, peaks + count, labels)
 
 
@@ -151,10 +183,27 @@ def _sources(
 
     solid_angles = summed(omega)
     means = summed(light) / solid_angles
-    centroids = np.stack([summed(light * part) for part in directions[chosen].T], axis=1)
-    centroids /= np.linalg.norm(centroids, axis=1, keepdims=True)
+    places = _equiangular(sight_coordinates(directions[chosen], observer))
+    means_of_places = np.stack([summed(light * part) for part in places.T], axis=1) / summed(light)[:, None]
+    centroids = _direction_at(means_of_places) @ sight_frame(observer)
     indices = position_index(sight_coordinates(centroids, observer))
     return tuple(
         PictureSource(float(mean), float(solid_angle), centroid, float(index))
         for mean, solid_angle, centroid, index in zip(means, solid_angles, centroids, indices, strict=True)
     )
+
+
+def _equiangular(coordinates: FloatArray) -> FloatArray:
+    """Places (n, 2) in an equi-angular picture, rad to the right and up, of unit directions (n, 3), R, T, H.
+
+    Centroids are taken there, as evalglare does: for a wide source they lie nearer to the line of sight than
+    the mean of directions, by half a degree for a source of 0.3 sr at 48 degrees.
+    """
+    theta = np.arccos(np.clip(coordinates[:, 0], -1, 1))
+    return np.asarray(coordinates[:, 1:] / np.sinc(theta / np.pi)[:, None])
+
+
+def _direction_at(places: FloatArray) -> FloatArray:
+    """Find unit directions (n, 3), R, T, H, at places (n, 2) of an equi-angular picture."""
+    theta = np.linalg.norm(places, axis=1)
+    return np.column_stack([np.cos(theta), places * np.sinc(theta / np.pi)[:, None]])

@@ -18,8 +18,9 @@ from lelight.reading.luminaires import ReadLuminaires, read_luminaires
 from lelight.reading.mtl import read_mtl
 from lelight.reading.obj import ObjGeometry, read_obj
 from lelight.reading.palette import Palette
+from lelight.reading.spectra import SpectrumFiles
 from lelight.reading.surfaces import lit_surfaces
-from lelight.scene import Scene
+from lelight.scene import Outdoor, Scene
 
 if TYPE_CHECKING:
     from lelight.reading.scenetables import SceneTables
@@ -42,6 +43,7 @@ def load(path: str | Path) -> Scene:
     geometry = read_obj(geometry_path)
     scene = without_repeated_faces(_scene(given, scene_path, geometry_path, tables, geometry))
     require_light(scene)
+    _require_spectra(scene)
     return scene
 
 
@@ -59,6 +61,18 @@ def require_light(scene: Scene) -> None:
         raise SceneError(
             f"{where}: no light: no material emits and no luminaire has an intensity; give a material "
             "luminance or flux in the TOML (or Ke in the MTL), or add [[luminaires]] to the TOML"
+        )
+
+
+def _require_spectra(scene: Scene) -> None:
+    """Refuse a scene of which some lamps have a spectrum and some have none."""
+    from lelight.spectral.bands import is_spectral_scene, without_spectrum
+
+    if is_spectral_scene(scene) and (missing := without_spectrum(scene)):
+        named = ", ".join(quoted(name) for name in missing[:3])
+        raise SceneError(
+            f"{scene.path or scene.name}: no spectrum: {named}; where anything has a spectrum every emitter needs "
+            'one; give spectrum = "D65", a CIE name or a file, in the TOML'
         )
 
 
@@ -112,16 +126,24 @@ def _scene(
 ) -> Scene:
     libraries = tuple(read_mtl(library) for library in geometry.material_libraries)
     surfaces = lit_surfaces(geometry_path, geometry, unit=tables.unit, up=tables.up)
-    palette = Palette(libraries, tables.materials, scene_path)
-    lamps = read_luminaires(tables, scene_path)
-    read = [geometry_path, *geometry.material_libraries, *([scene_path] if scene_path else []), *lamps.files]
+    spectra = SpectrumFiles(scene_path or given)
+    palette = Palette(libraries, tables.materials, scene_path, spectra)
+    materials = tuple(map(palette.material, surfaces.material_names, surfaces.material_areas))
+    lamps = read_luminaires(tables, scene_path, spectra)
+    read = [
+        geometry_path,
+        *geometry.material_libraries,
+        *([scene_path] if scene_path else []),
+        *lamps.files,
+        *spectra.paths,
+    ]
     said = (library.warnings for library in libraries)
     return Scene(
         name=given.stem,
         vertices=surfaces.vertices,
         triangles=surfaces.triangles,
         triangle_materials=surfaces.triangle_materials,
-        materials=tuple(map(palette.material, surfaces.material_names, surfaces.material_areas)),
+        materials=materials,
         luminaires=lamps.luminaires,
         observers=observers(tables),
         planes=measuring_planes(tables),
@@ -135,6 +157,7 @@ def _scene(
         + palette.warnings(surfaces.material_names)
         + lamps.warnings
         + _idle_housings(lamps, surfaces.material_names),
+        outdoor=Outdoor(tables.outdoor.plane, tables.outdoor.reflectance) if tables.outdoor else None,
     )
 
 

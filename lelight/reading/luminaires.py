@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ import numpy as np
 from lelight.errors import InputError
 from lelight.luminaires import Luminaire, PhotometricLuminaire, moved, placed_axes, tilt_factor
 from lelight.reading.inputfile import quoted
+from lelight.reading.spectra import SpectrumFiles
 from lelight.scene import FloatArray, PointLuminaire
 
 if TYPE_CHECKING:
@@ -70,8 +71,8 @@ def _exists(path: Path) -> bool:
         return False
 
 
-def read_luminaires(tables: SceneTables, scene_path: Path | None) -> ReadLuminaires:
-    """Place all luminaires, dimming and maintenance applied.
+def read_luminaires(tables: SceneTables, scene_path: Path | None, spectra: SpectrumFiles) -> ReadLuminaires:
+    """Place all luminaires, dimming and maintenance applied, and give them their spectra.
 
     Raises
     ------
@@ -81,7 +82,11 @@ def read_luminaires(tables: SceneTables, scene_path: Path | None) -> ReadLuminai
     photometries = _Photometries(scene_path)
     luminaires: list[Luminaire] = []
     for index, table in enumerate(tables.luminaires):
-        one = _luminaire(table, f"luminaires[{index}]", scene_path, photometries)
+        key = f"luminaires[{index}]"
+        spectrum = spectra.emission(table.spectrum, f"{key}.spectrum") if table.spectrum else None
+        one = replace(
+            _luminaire(table, key, scene_path, photometries), maintenance=table.maintenance, spectrum=spectrum
+        )
         luminaires += _array(one, table)
     return ReadLuminaires(tuple(luminaires), tuple(photometries.read), tuple(photometries.warnings))
 

@@ -8,7 +8,7 @@ MTL files the first that defines a name counts.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ from lelight.errors import SceneError
 from lelight.reading.inputfile import quoted
 from lelight.reading.limits import BRIGHTEST, SHARPEST
 from lelight.reading.mtl import MtlLibrary, MtlMaterial
+from lelight.reading.spectra import SpectrumFiles
 from lelight.scene import FloatArray, Material
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ class Palette:
     libraries: tuple[MtlLibrary, ...]
     overrides: Mapping[str, MaterialTable]
     scene_path: Path | None
+    spectra: SpectrumFiles = field(default_factory=lambda: SpectrumFiles(Path()))
 
     def material(self, name: str, area: float) -> Material:
         """Put one material together; ``area`` in m² of all its faces turns flux into luminance.
@@ -58,8 +60,9 @@ class Palette:
         if written is not None:
             material = _as_written(material, written)
         flux: float | None = None
-        for table in map(self.overrides.__getitem__, patterns):
-            material = _overridden(material, table)
+        for pattern in patterns:
+            table = self.overrides[pattern]
+            material = self._coloured(_overridden(material, table), table, pattern)
             flux = table.flux if table.luminance is None and table.flux is not None else flux
             flux = None if table.luminance is not None else flux
         if flux is not None:
@@ -78,6 +81,20 @@ class Palette:
             ),
             *(f"{self._scene_name}: materials.{quoted(key)} matches no material" for key in idle),
         )
+
+    def _coloured(self, material: Material, table: MaterialTable, pattern: str) -> Material:
+        """Put spectra on a material; a reflectance without one takes an earlier spectrum away."""
+        key = f"materials.{quoted(pattern)}"
+        if isinstance(table.reflectance, str):
+            spectrum = self.spectra.reflectance(table.reflectance, f"{key}.reflectance")
+            grey = float(np.mean(spectrum.amounts))
+            material = replace(material, diffuse=np.full(3, grey), reflectance_spectrum=spectrum)
+        elif table.reflectance is not None:
+            material = replace(material, reflectance_spectrum=None)
+        if table.spectrum is not None:
+            emission = self.spectra.emission(table.spectrum, f"{key}.spectrum")
+            material = replace(material, emission_spectrum=emission)
+        return material
 
     @property
     def _scene_name(self) -> str:
@@ -102,7 +119,8 @@ def _as_written(material: Material, written: MtlMaterial) -> Material:
 
 
 def _overridden(material: Material, table: MaterialTable) -> Material:
-    colours = {"diffuse": table.reflectance, "specular": table.specular, "luminance": table.luminance}
+    diffuse = None if isinstance(table.reflectance, str) else table.reflectance
+    colours = {"diffuse": diffuse, "specular": table.specular, "luminance": table.luminance}
     plain = {"exponent": table.exponent, "emission_sides": table.sides}
     given: dict[str, Any] = {key: np.array(colour) for key, colour in colours.items() if colour is not None}
     given |= {key: setting for key, setting in plain.items() if setting is not None}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator
@@ -37,6 +38,10 @@ def number(lower: float = -math.inf, upper: float = math.inf, *, above: float = 
 
 def triple(lower: float = -math.inf, upper: float = math.inf, *, one: bool = False) -> BeforeValidator:
     """Check for three finite numbers; with ``one``, a single number may stand for three equal ones."""
+    return BeforeValidator(_triple_check(lower, upper, one=one))
+
+
+def _triple_check(lower: float, upper: float, *, one: bool) -> Callable[[Any], Triple]:
     allowed = ("one number or " if one else "") + f"three numbers{_bounds(lower, upper, -math.inf)}"
 
     def check(found: Any) -> Triple:
@@ -47,7 +52,17 @@ def triple(lower: float = -math.inf, upper: float = math.inf, *, one: bool = Fal
             raise ValueError(f"allowed are {allowed}")
         return float(numbers[0]), float(numbers[1]), float(numbers[2])
 
-    return BeforeValidator(check)
+    return check
+
+
+def reflectance_or_file(found: Any) -> Triple | str:
+    """Check for a reflectance, or for the name of a file that holds it by wavelength."""
+    if isinstance(found, str) and found.lower().endswith((".csv", ".txt", ".spdx")):
+        return found
+    try:
+        return _triple_check(0, 1, one=True)(found)
+    except ValueError as error:
+        raise ValueError(f"{error}, or the name of a .csv file of spectral reflectance") from None
 
 
 def _bounds(lower: float, upper: float, above: float) -> str:
@@ -109,6 +124,9 @@ Direction = Annotated[Triple, AfterValidator(_nonzero), triple(-FARTHEST, FARTHE
 #: (3,) reflectance of linear Rec. 709 components, each 0 to 1; one number stands for three.
 Reflectance = Annotated[Triple, triple(0, 1, one=True)]
 
+#: The same, or the name of a file of spectral reflectance.
+SpectralReflectance = Annotated[Triple | str, BeforeValidator(reflectance_or_file)]
+
 #: (3,) luminance or intensity of linear Rec. 709 components; one number stands for three.
 Colour = Annotated[Triple, triple(0, BRIGHTEST, one=True)]
 
@@ -135,3 +153,24 @@ RelativeError = Annotated[float, BeforeValidator(relative_error)]
 
 #: Time in s, :func:`seconds`.
 Seconds = Annotated[float, BeforeValidator(seconds)]
+
+#: Width of a band in m, 0 for none.
+Band = Annotated[float, number(0, 1000)]
+
+
+def threshold(found: object) -> str:
+    """Threshold of glare sources, ``"2000"`` (cd/m²), ``"5 x task"`` or ``"7 x picture"``, in one spelling."""
+    if _is_number(found) and isinstance(found, (int, float)) and found > 0:
+        return f"{float(found)!r} absolute"
+    match = (
+        re.fullmatch(r"\s*([0-9]+(?:\.[0-9]*)?)\s*x\s*(task|picture)\s*", found)
+        if isinstance(found, str)
+        else None
+    )
+    if match is None or not float(match[1]) > 0:
+        raise ValueError('allowed is a luminance in cd/m² like 2000, "5 x task" or "7 x picture"')
+    return f"{float(match[1])!r} {match[2]}"
+
+
+#: Threshold of glare sources in a picture, :func:`threshold`.
+Threshold = Annotated[str, BeforeValidator(threshold)]

@@ -9,12 +9,21 @@ import difflib
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from lelight.estimate.variants import Estimator
+from lelight.metrics.en12464_tasks import TASKS
 from lelight.metrics.grid import cell_counts
 from lelight.reading.quantities import (
+    Band,
     Colour,
     Direction,
     Exponent,
@@ -27,6 +36,9 @@ from lelight.reading.quantities import (
     Seconds,
     Share,
     Spacing,
+    SpectralReflectance,
+    Threshold,
+    number,
 )
 
 Unit = Literal["m", "cm", "mm", "in", "ft"]
@@ -60,15 +72,19 @@ class Table(BaseModel):
         return table
 
 
+Name = Annotated[str, Field(min_length=1)]
+
+
 class MaterialTable(Table):
     """Overrides of the materials that a pattern matches; keys that are absent leave theirs alone."""
 
-    reflectance: Reflectance | None = None
+    reflectance: SpectralReflectance | None = None
     specular: Reflectance | None = None
     exponent: Exponent | None = None
     luminance: Colour | None = None
     flux: Flux | None = None
     sides: Literal["front", "both"] | None = None
+    spectrum: Name | None = None
 
     @model_validator(mode="after")
     def _one_emission(self) -> Self:
@@ -92,6 +108,7 @@ class LuminaireTable(Table):
     rows: Annotated[int, Field(ge=1, le=MOST_ROWS)] = 1
     columns: Annotated[int, Field(ge=1, le=MOST_ROWS)] = 1
     spacing: Spacing | None = None
+    spectrum: Name | None = None
 
     @model_validator(mode="after")
     def _one_light(self) -> Self:
@@ -117,14 +134,34 @@ class ObserverTable(Table):
     name: Annotated[str, Field(min_length=1)]
     position: Position
     direction: Direction
+    task: Position | None = None
+    threshold: Threshold | None = None
 
 
 class TargetTable(Table):
-    """What a plane is required to reach."""
+    """What a plane is required to reach; ``task`` takes what EN 12464-1 asks for that is not given."""
 
+    task: Name | None = None
     mean_illuminance: Positive | None = None
     uniformity: Share | None = None
     ugr: Positive | None = None
+    mean_cylindrical_illuminance: Positive | None = None
+    cylindrical_uniformity: Share | None = None
+    wall_illuminance: Positive | None = None
+    ceiling_illuminance: Positive | None = None
+    ra: Positive | None = None
+
+    @model_serializer(mode="wrap")
+    def _given(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: asked for key, asked in handler(self).items() if asked is not None}
+
+    @model_validator(mode="after")
+    def _task_is_known(self) -> Self:
+        if self.task is not None and self.task not in TASKS:
+            near = difflib.get_close_matches(self.task[:60], TASKS, n=1)
+            meant = f"did you mean {near[0]}? " if near else ""
+            raise ValueError(f"no such task; {meant}allowed are {', '.join(TASKS)}")
+        return self
 
 
 class PlaneTable(Table):
@@ -135,6 +172,9 @@ class PlaneTable(Table):
     u: Direction
     v: Direction
     target: TargetTable = TargetTable()
+    wall_band: Band = 0.0
+    surrounding: Band = 0.0
+    background: Band = 0.0
 
     @model_validator(mode="after")
     def _has_area(self) -> Self:
@@ -146,6 +186,11 @@ class PlaneTable(Table):
             )
         if np.linalg.norm(np.cross(u, v)) < 1e-6 * np.prod(lengths):
             raise ValueError("u and v are parallel; allowed are edges that span a rectangle")
+        lengths = lengths[0] - 2 * self.wall_band, lengths[1] - 2 * self.wall_band
+        if min(lengths) < SHORTEST_EDGE:
+            raise ValueError(
+                f"wall_band {self.wall_band:g} m leaves nothing of it; allowed is a narrower one"
+            )
         columns, rows = cell_counts(float(lengths[0]), float(lengths[1]))
         if columns * rows > MOST_GRID_POINTS:
             raise ValueError(
@@ -177,6 +222,13 @@ class CalcTable(Table):
     directions: Annotated[int, Field(ge=16, le=2**16)] | None = None
 
 
+class OutdoorTable(Table):
+    """What the glare rating of outdoor areas needs: the plane on the ground and its reflectance."""
+
+    plane: Name
+    reflectance: Annotated[float, number(0, 1)]
+
+
 class SceneTables(Table):
     """A whole scene file."""
 
@@ -187,6 +239,7 @@ class SceneTables(Table):
     luminaires: list[LuminaireTable] = []
     observers: list[ObserverTable] = []
     planes: list[PlaneTable] = []
+    outdoor: OutdoorTable | None = None
     calc: CalcTable = CalcTable()
 
     @model_validator(mode="after")
@@ -199,4 +252,14 @@ class SceneTables(Table):
                 raise PydanticCustomError(
                     "repeated", "{reason}", {"reason": reason, "key": kind, "name": repeated}
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _ground_is_known(self) -> Self:
+        planes = [plane.name for plane in self.planes]
+        if self.outdoor is not None and self.outdoor.plane not in planes:
+            reason = f"no such plane; allowed are {', '.join(planes) or 'none: add [[planes]]'}"
+            raise PydanticCustomError(
+                "unknown", "{reason}", {"reason": reason, "key": "outdoor", "name": self.outdoor.plane}
+            )
         return self

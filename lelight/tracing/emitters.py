@@ -15,6 +15,7 @@ from lelight.channels import luminance_weights
 from lelight.luminaires import Luminaire, PhotometricLuminaire
 from lelight.mesh.doubles import backs
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
+from lelight.spectral.bands import emission_in_channels
 from lelight.tracing.distributions import Distributions, collect_distributions
 
 #: Numbers in the sketch of a source.
@@ -89,7 +90,9 @@ def collect_emitters(scene: Scene, channels: FloatArray) -> Emitters:
     ----------
     channels : (3, C) float; turns linear RGB into the channels that are carried
     """
-    material_luminance = np.array([m.luminance for m in scene.materials]).reshape(-1, 3) @ channels
+    material_luminance = emission_in_channels(
+        [m.luminance for m in scene.materials], [m.emission_spectrum for m in scene.materials], channels
+    )
     emitting = np.flatnonzero(material_luminance[scene.triangle_materials].max(axis=1) > 0)
     both = np.array([m.emission_sides == "both" for m in scene.materials])
     corners = scene.corners[emitting]
@@ -105,7 +108,11 @@ def collect_emitters(scene: Scene, channels: FloatArray) -> Emitters:
         # The back of a face that lies back to back with another is the other's front.
         both_sides=both[materials] & (backs(scene.vertices, scene.triangles)[emitting] < 0),
         positions=np.array([lamp.position for lamp in scene.luminaires]).reshape(-1, 3),
-        intensity=np.array([_strength(lamp) for lamp in scene.luminaires]).reshape(-1, 3) @ channels,
+        intensity=emission_in_channels(
+            [_strength(lamp) for lamp in scene.luminaires],
+            [lamp.spectrum for lamp in scene.luminaires],
+            channels,
+        ),
         power=np.empty(0),
         power_cdf=np.empty(0),
         weights=luminance_weights(count),

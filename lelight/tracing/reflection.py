@@ -14,6 +14,7 @@ from numba import njit
 
 from lelight.channels import luminance_weights
 from lelight.scene import FloatArray, Scene
+from lelight.spectral.bands import diffuse_in_channels
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
@@ -37,7 +38,7 @@ class Reflectances(NamedTuple):
 
 def collect_reflectances(scene: Scene, channels: FloatArray) -> Reflectances:
     """Gather the materials of a scene in the channels that ``channels`` (3, C) gives."""
-    diffuse = np.array([m.diffuse for m in scene.materials]) @ channels
+    diffuse = diffuse_in_channels(scene.materials, channels)
     specular = np.array([m.specular for m in scene.materials]) @ channels
     weights = luminance_weights(channels.shape[1])
     exponent = np.array([m.exponent for m in scene.materials], dtype=np.float64)

@@ -1,0 +1,107 @@
+"""Colour of interreflected light, against closed forms: an enclosure that glows evenly."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rooms import furnace
+
+from lelight.calculation import calculate
+from lelight.channels import luminance_weighted
+from lelight.metrics.cies026 import daylight_efficacy_ratio
+from lelight.metrics.colour_figures import colour_figures
+from lelight.metrics.ohno2013 import temperature_and_distance
+from lelight.plan import make_plan
+from lelight.scene import MeasuringPlane, Observer, Spectrum
+from lelight.settings import Settings
+from lelight.spectral.bands import BANDS, mixed_spectrum, spectrum_of_bands
+from lelight.spectral.colorimetry import illuminant
+
+WAVELENGTHS = np.arange(380.0, 781.0, 5.0)
+#: A wall that reflects red: 0.1 below 550 nm, 0.7 above 650 nm.
+RED = Spectrum("red", WAVELENGTHS, 0.1 + 0.6 / (1 + np.exp(-(WAVELENGTHS - 600) / 15)))
+WHITE = Spectrum("white", np.array([380.0, 780.0]), np.array([0.6, 0.6]))
+
+
+def glowing(lamp: Spectrum, wall: Spectrum | None):
+    """A closed box that emits a spectrum everywhere: L = L_e / (1 - ρ) in every direction."""
+    room = furnace(0.6)
+    (walls,) = room.materials
+    walls = replace(walls, emission_spectrum=lamp, reflectance_spectrum=wall)
+    return replace(
+        room,
+        materials=(walls,),
+        planes=(MeasuringPlane("p", np.full(3, 0.3), np.array([0.4, 0, 0]), np.array([0, 0.4, 0])),),
+        observers=(Observer("eye", np.full(3, 0.5), np.array([1.0, 0, 0])),),
+    )
+
+
+def run(scene):
+    return calculate(scene, Settings(preset="draft", batches=4, edge=0.5, threads=1))
+
+
+@pytest.mark.parametrize("name", ["F11", "LED-B3"])
+def test_a_white_room_leaves_the_lamps_colour_alone(name):
+    lamp = illuminant(name)
+    found = run(glowing(lamp, WHITE))
+    assert found.plan.channels == BANDS
+    kelvin, duv = temperature_and_distance(lamp)
+    for bands in (found.planes[0].band_replicates.mean(axis=1), found.observers[0].band_replicates):
+        figures = colour_figures(bands, mixed_spectrum([lamp], [1.0]))
+        assert figures["cct"].value == pytest.approx(kelvin, abs=1.0)
+        assert figures["duv"].value == pytest.approx(duv, abs=1e-4)
+        assert figures["melanopic_der"].value == pytest.approx(
+            daylight_efficacy_ratio(lamp, "melanopic"), abs=2e-3
+        )
+
+
+def test_a_red_room_has_the_colour_of_endless_reflection():
+    lamp = illuminant("LED-B3")
+    found = run(glowing(lamp, RED))
+    bands = found.observers[0].band_replicates
+    fine = np.arange(380.0, 781.0)
+    lit = Spectrum("exact", fine, lamp.at(fine) / (1 - RED.at(fine)))
+    figures = colour_figures(bands, mixed_spectrum([lamp], [1.0]))
+    exact, lamps_own = temperature_and_distance(lit)[0], temperature_and_distance(lamp)[0]
+    # The walls take the lamp's 4100 K down by a thousand kelvin; 10 nm bands keep 0.1 % of that.
+    assert exact < lamps_own - 800
+    noise = 4 * figures["cct"].std_error
+    assert figures["cct"].value == pytest.approx(exact, abs=2.0 + noise)
+    assert noise < 20.0
+    der = daylight_efficacy_ratio(lit, "melanopic")
+    assert figures["melanopic_der"].value == pytest.approx(
+        der, abs=2e-3 + 4 * figures["melanopic_der"].std_error
+    )
+    assert figures["melanopic_edi"].value == pytest.approx(
+        der * float(luminance_weighted(bands).mean()), rel=0.01
+    )
+
+
+def test_bands_keep_the_illuminance_of_a_white_furnace():
+    found = run(glowing(illuminant("F11"), WHITE))
+    # 1 lm/m² from every wall, over 1 - 0.6.
+    values = found.observers[0]
+    total = luminance_weighted(values.band_replicates)
+    assert total.mean() == pytest.approx(2.5, rel=0.02)
+    assert total.mean() == pytest.approx(values.direct + values.indirect, rel=1e-9)
+
+
+def test_bands_go_to_a_spectrum_and_back():
+    lamp = illuminant("F11")
+    lamps = mixed_spectrum([lamp], [500.0])
+    from lelight.spectral.bands import luminous_share
+
+    made = spectrum_of_bands(BANDS * luminous_share(lamp, BANDS) * 320.0, lamps)
+    np.testing.assert_allclose(
+        made.at(WAVELENGTHS) / lamp.at(WAVELENGTHS),
+        made.at(np.array([545.0]))[0] / lamp.at(np.array([545.0]))[0],
+        rtol=1e-6,
+    )
+    assert math.isfinite(float(made.amounts.sum()))
+
+
+def test_a_scene_without_spectra_stays_grey():
+    assert make_plan(furnace(0.5)).channels == 1
