@@ -42,7 +42,9 @@ def figures(run: Calculation, sights: tuple[Sight, ...], stems: dict[str, dict[s
     for values in run.planes:
         table["planes"][values.plane.name] |= _plane(values, stems["planes"])
     for sight, seen in zip(sights, run.observers, strict=True):
-        table["observers"][sight.observer.name] |= _observer(sight, seen, stems["observers"])
+        name = sight.observer.name
+        table["observers"][name] |= _observer(sight, stems["observers"])
+        table.setdefault("views", {})[name] = _view(sight, seen)
     return table
 
 
@@ -92,8 +94,13 @@ def _plane(values: PlaneValues, stems: Mapping[str, str]) -> dict[str, Any]:
     }
 
 
-def _observer(sight: Sight, values: ObserverValues, stems: Mapping[str, str]) -> dict[str, Any]:
+def _view(sight: Sight, values: ObserverValues) -> dict[str, Any]:
+    """Gather what is no single figure: UGR by bearing, luminance statistics, and the distribution (research)."""
     petals = [] if values.turned_indirect is None else rose(sight.turned, values.turned_indirect)
+    return {"rose": petals, "luminance": sight.zones, "distribution": sight.distribution}
+
+
+def _observer(sight: Sight, stems: Mapping[str, str]) -> dict[str, Any]:
     return {
         "file": stems[sight.observer.name],
         "position": sight.observer.position.tolist(),
@@ -101,9 +108,6 @@ def _observer(sight: Sight, values: ObserverValues, stems: Mapping[str, str]) ->
         "sources": [
             source.to_json() | {"share": glare_share(source, sight.sources)} for source in sight.sources
         ],
-        "rose": petals,
-        "luminance": sight.zones,
-        "distribution": sight.distribution,
     }
 
 

@@ -119,7 +119,7 @@ def test_intervals_are_students(metrics):
         lambda m: m["planes"]["work plane"]["uniformity"].pop("target"),
         lambda m: m["planes"]["work plane"].update(extra=3),
         lambda m: m["observers"][NASTY]["ugr"].update(value=None),
-        lambda m: m["observers"][NASTY]["rose"].pop(),
+        lambda m: m["views"][NASTY]["rose"].pop(),
         lambda m: m["observers"][NASTY]["sources"][0].pop("share"),
     ],
 )
@@ -131,11 +131,11 @@ def test_the_schema_refuses_what_is_wrong(metrics, spoil):
 
 
 def test_the_rose_begins_with_the_observers_own_rating(metrics):
-    eye = metrics["observers"][NASTY]
-    assert eye["rose"][0]["ugr"] == pytest.approx(eye["ugr"]["value"], rel=1e-12)
-    rated = [petal["ugr"] for petal in eye["rose"] if petal["ugr"] is not None]
+    eye, petals = metrics["observers"][NASTY], metrics["views"][NASTY]["rose"]
+    assert petals[0]["ugr"] == pytest.approx(eye["ugr"]["value"], rel=1e-12)
+    rated = [petal["ugr"] for petal in petals if petal["ugr"] is not None]
     assert eye["ugr_max"]["value"] == max(rated)
-    assert np.isclose(eye["rose"][0]["background_luminance"], eye["background_luminance"]["value"])
+    assert np.isclose(petals[0]["background_luminance"], eye["background_luminance"]["value"])
 
 
 @pytest.mark.parametrize(
