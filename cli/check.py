@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lelight.cli.options import SCENE, NamedPath, run_options
+from lelight.luminaires import have_direction
 from lelight.photometry.zones import luminous_flux
 from lelight.pipelines.check import Check, draw_luminaires, run_check
 from lelight.scene import PointLuminaire
@@ -34,7 +35,7 @@ def command(scene: Path, out: Path | None, **chosen: Any) -> None:
         ("Scene", _scene(check)),
         ("Plan", [f"{d.name}: {d.value} ({d.reason})" for d in check.plan.decisions]),
         ("Materials", _materials(check)),
-        *([("Luminaires", _luminaires(check))] if check.scene.luminaires else []),
+        *([("Luminaires", _luminaires(check))] if have_direction(check.scene.luminaires) else []),
         ("Lint", [f"{f.severity}: {f.rule}: {f.text}" for f in check.findings] or ["nothing found"]),
         ("A run will take", _cost(check)),
     ):

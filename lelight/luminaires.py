@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -66,6 +67,11 @@ class PhotometricLuminaire:
 
 
 Luminaire = PointLuminaire | PhotometricLuminaire
+
+
+def have_direction(luminaires: Iterable[Luminaire]) -> bool:
+    """Say whether any of them points somewhere: isotropic points do not."""
+    return any(isinstance(lamp, PhotometricLuminaire) for lamp in luminaires)
 
 
 def placed_axes(aim: FloatArray, c0: FloatArray) -> FloatArray:

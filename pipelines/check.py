@@ -6,6 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
+from lelight.luminaires import have_direction
 from lelight.mesh.grading import graded
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import default_edge, remesh
@@ -67,13 +68,13 @@ def run_check(scene_path: Path, *, settings: Settings, given: Collection[str] = 
 
 
 def draw_luminaires(scene_path: Path, scene: Scene, out: Path | None = None) -> Path | None:
-    """Draw where luminaires hang and point, as ``layout.svg`` and ``luminaires.vtp``; None without luminaires.
+    """Draw where luminaires hang and point, as ``layout.svg`` and ``luminaires.vtp``; None where none points.
 
     Returns
     -------
     Path : of the plan
     """
-    if not scene.luminaires:
+    if not have_direction(scene.luminaires):
         return None
     from lelight.writing.files import make_folder
     from lelight.writing.layout import write_layout

@@ -12,6 +12,7 @@ import numpy as np
 import lelight
 from lelight.calculation import Calculation
 from lelight.errors import OutputError
+from lelight.luminaires import have_direction
 from lelight.metrics.table import to_csv
 from lelight.pipelines.eyes import Sight
 from lelight.writing.falsecolour import decade_limits, write_falsecolour
@@ -71,6 +72,7 @@ def write_geometry(out: Path, run: Calculation, stems: dict[str, dict[str, str]]
     if run.scene.luminaires:
         blocks["luminaires"] = {"luminaires": out / "luminaires.vtp"}
         write_luminaires(out / "luminaires.vtp", run.scene.luminaires)
+    if have_direction(run.scene.luminaires):
         write_layout(out / "layout.svg", run.scene)
     if run.scene.observers:
         blocks["observers"] = {"observers": out / "observers.vtp"}
