@@ -91,7 +91,8 @@ def _lambertian(world: World, base: BaseField, *, log2_chains: int, seed: tuple[
     light falling from z on y, a pair stands for (g + rest q) / (a q + g / flux), rest being the defect but for
     its direct light. That is bounded, however close the lamp.
     """
-    points, more = _points(log2_chains, seed), _points(log2_chains, (*seed, BY_LIGHT))
+    log2_half = max(0, log2_chains - 1)
+    points, more = _points(log2_half, seed), _points(log2_half, (*seed, BY_LIGHT))
     starts = (_over_surface(world, base, points, seed), _by_light(world, base, more, (*seed, BY_LIGHT)))
     first = joined([vertices for vertices, _ in starts])
     chain = np.concatenate([starts[0][1], len(points) + starts[1][1]])
