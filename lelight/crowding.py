@@ -10,13 +10,15 @@ import numpy as np
 
 from lelight.errors import SceneError
 from lelight.mesh.nodes import NodeMesh
-from lelight.scene import BoolArray, IntArray, Scene
+from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 from lelight.tracing.world import World
 
 #: Surfaces closer than this share of a ray's offset lie in one another and hide nothing.
 SAME_PLACE = 0.02
 #: Share of the area that may be too crowded for rays.
 MOST_CROWDED = 0.01
+#: Least weight of a corner at a point that lies well inside a triangle.
+INSIDE = 1e-3
 #: Places on an emitting triangle, weights of its corners, that are asked who else emits from there.
 PROBES = np.array([[0.34, 0.33, 0.33], [0.7, 0.2, 0.1], [0.1, 0.7, 0.2], [0.2, 0.1, 0.7]])
 
@@ -28,10 +30,22 @@ def crowded(world: World, mesh: NodeMesh, labels: IntArray) -> BoolArray:
     ----------
     labels : (n_t,) int, patch of each traced triangle
     """
-    origins = world.caster.leave(mesh.positions, mesh.normals)
-    hits = world.caster.closest(origins, -mesh.normals)
-    other = (hits.triangle >= 0) & (labels[hits.triangle] != mesh.patches)
-    height = np.einsum("nx,nx->n", hits.points - mesh.positions, mesh.normals)
+    taken = _behind_another(world, labels, mesh.positions, mesh.normals, mesh.patches)
+    # In the corners of something tiny single precision sees nothing; the middles of triangles tell of them too.
+    middles = mesh.vertices[mesh.triangles].mean(axis=1)
+    normals = mesh.normals[mesh.triangles].mean(axis=1)
+    around = _behind_another(world, labels, middles, normals, mesh.triangle_patches)
+    taken[mesh.triangles[around]] = True
+    return taken
+
+
+def _behind_another(
+    world: World, labels: IntArray, points: FloatArray, normals: FloatArray, patches: IntArray
+) -> BoolArray:
+    """Say of which surface points (k, 3) rays would start behind the surface of another patch than theirs."""
+    hits = world.caster.closest(world.caster.leave(points, normals), -normals)
+    other = (hits.triangle >= 0) & (labels[hits.triangle] != patches)
+    height = np.einsum("nx,nx->n", hits.points - points, normals)
     between = (height > SAME_PLACE * world.caster.offset) & (height < world.caster.offset)
     return np.asarray(other & between)
 
@@ -71,6 +85,7 @@ def require_clear_emitters(scene: Scene, world: World) -> None:
         raise _crowded(scene, world, "an emitting face and another surface")
     twice = (met >= 0) & (met != own) & (np.abs(height) <= SAME_PLACE * world.caster.offset)
     twice &= (emitters.of_triangle[met] >= 0) & (hits.front | emitters.both_sides[emitters.of_triangle[met]])
+    twice[twice] = _inside(points[twice], world.caster.corners[met[twice]])
     if twice.any():
         where = ", ".join(f"{coordinate:.3f}" for coordinate in points[np.argmax(twice)])
         name = scene.materials[world.materials[own[np.argmax(twice)]]].name
@@ -78,3 +93,13 @@ def require_clear_emitters(scene: Scene, world: World) -> None:
             f"{scene.name}: faces of material {name!r} at ({where}) m emit from the very place where others do; "
             "leave one of them out"
         )
+
+
+def _inside(points: FloatArray, corners: FloatArray) -> BoolArray:
+    """Say which points (k, 3) lie well inside triangles (k, 3, 3) of their plane: rays beside a needle may err."""
+    whole = triangle_areas(corners)
+    weights = [
+        triangle_areas(np.stack([points, corners[:, k], corners[:, (k + 1) % 3]], axis=1)) for k in range(3)
+    ]
+    outside = np.sum(weights, axis=0) > (1.0 + INSIDE) * whole
+    return np.asarray(~outside & (np.min(weights, axis=0) > INSIDE * whole))

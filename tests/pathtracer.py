@@ -1,7 +1,7 @@
 """The plainest path tracer there is, to hold lelight against: embree, NumPy, and of lelight the scene only.
 
-Every direction is drawn by the cosine whatever the material, every lamp point by area, every path ends by
-roulette. It is slow and hard to get wrong, and shares no code with what it tests.
+Every direction is drawn by the cosine, half of them by the lobe where a material has a sharp one, every lamp
+point by area, every path ends by roulette. It is slow and hard to get wrong, and shares no code with what it tests.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from lelight.scene import FloatArray, Scene
 
 #: Rays start this far off their surface, in m, and shadow rays end as far off theirs.
 LIFT = 2e-5
+#: Exponents above this are sampled.
+SHARP = 100.0
 
 
 class PathTracer:
@@ -72,13 +74,36 @@ class PathTracer:
             lamps, toward = self._lamp_light(points, normals)
             cosine = np.einsum("kx,kx->k", toward, normals)[:, None]
             light[path] += weight * lamps * cosine * self._brdf(triangle, normals, back, toward)
-            directions = self._cosine(normals)
-            weight = weight * np.pi * self._brdf(triangle, normals, back, directions)
+            directions, over_density = self._onward(triangle, normals, back)
+            weight = weight * over_density[:, None] * self._brdf(triangle, normals, back, directions)
             survival = np.clip(weight.max(axis=1), 0.0, 0.95)
             alive = self.rng.random(len(path)) < survival
             path, points, normals, directions = path[alive], points[alive], normals[alive], directions[alive]
             weight = weight[alive] / survival[alive, None]
         return light
+
+    def _onward(
+        self, triangle: FloatArray, normals: FloatArray, back: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Directions (k, 3) to go on in, and cosine over density: half by the lobe where it is sharp."""
+        directions = self._cosine(normals)
+        n, sharp = self.exponent[triangle], (self.exponent > SHARP)[triangle]
+        if not sharp.any():
+            return directions, np.full(len(triangle), np.pi)
+        mirror = 2 * np.einsum("kx,kx->k", back, normals)[:, None] * normals - back
+        by_lobe = sharp & (self.rng.random(len(n)) < 0.5)
+        across = self.rng.normal(size=normals.shape)
+        across -= np.einsum("kx,kx->k", across, mirror)[:, None] * mirror
+        across /= np.linalg.norm(across, axis=1, keepdims=True)
+        cos_alpha = self.rng.random(len(n)) ** (1 / (n + 1))
+        lobe = cos_alpha[:, None] * mirror + np.sqrt(1 - cos_alpha**2)[:, None] * across
+        directions = np.where(by_lobe[:, None], lobe, directions)
+        cosine = np.maximum(np.einsum("kx,kx->k", directions, normals), 0.0)
+        alpha = np.maximum(np.einsum("kx,kx->k", directions, mirror), 0.0)
+        density = np.where(
+            sharp, 0.5 * cosine / np.pi + 0.5 * (n + 1) / (2 * np.pi) * alpha**n, cosine / np.pi
+        )
+        return directions, np.divide(cosine, density, out=np.zeros(len(n)), where=density > 0)
 
     def _brdf(
         self, triangle: FloatArray, normals: FloatArray, back: FloatArray, toward: FloatArray

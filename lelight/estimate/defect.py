@@ -85,12 +85,14 @@ def _lambertian(world: World, base: BaseField, chains: Stretch, *, seed: tuple[i
     light falling from z on y, a pair stands for (g + rest q) / (a q + g / flux), rest being the defect but for
     its direct light. That is bounded, however close the lamp.
     """
-    points, more = chain_numbers(chains, seed=seed), chain_numbers(chains, seed=(*seed, BY_LIGHT))
-    seed = (*seed, chains.first)
     if np.any(world.emitters.tables >= 0):
         # A luminaire by table sends from all of its opening but lights far places as a point: no pairs to weigh.
+        points, seed = chain_numbers(chains, seed=seed), (*seed, chains.first)
         first, chain = _over_surface(world, base, points, seed, weighed=False)
         return walk_on(world, first, chain=chain, points=points, seed=seed)
+    half = chains.half()
+    points, more = chain_numbers(half, seed=seed), chain_numbers(half, seed=(*seed, BY_LIGHT))
+    seed = (*seed, chains.first)
     starts = (_over_surface(world, base, points, seed), _by_light(world, base, more, (*seed, BY_LIGHT)))
     first = joined([vertices for vertices, _ in starts])
     chain = np.concatenate([starts[0][1], len(points) + starts[1][1]])

@@ -37,6 +37,10 @@ _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Shadow rays that tell beforehand how much of the emitters a receiver sees, as power of two.
 LOG2_PREVIEW = 5
+#: Where less than this share came through, it may be by a slit. So many more rays tell then, for so many
+#: receivers at once, and where it is little but something, receivers sample so much more often, as power of two.
+LITTLE = 0.1
+LOG2_SLIT_PREVIEW, BLOCKED_AT_ONCE, SLIT_DOUBLINGS = 10, 256, 6
 
 
 def direct_light(
@@ -128,19 +132,32 @@ def _weigh_sources(
 def with_clear_share(world: World, receivers: Receivers, *, seed: tuple[int, ...]) -> Receivers:
     """Find out beforehand how much of the emitters' light reaches each receiver.
 
-    Among very many sources the closed form would cost more than it saves; there the share stays zero.
+    Receivers that look all but blocked are asked again with many more rays: those that see a little, through a slit,
+    will sample direct light more often than others. Among very many sources the closed form would cost more
+    than it saves; there the share stays zero.
     """
     if len(world.emitters.power) > LOCAL_CHOICE_LIMIT:
         return receivers
-    drawn = _draw(world, receivers, sobol(3, Stretch.of(LOG2_PREVIEW), seed=seed), hash_of(seed))
+    share = _clear_share(world, receivers, LOG2_PREVIEW, seed)
+    blocked = np.flatnonzero(share < LITTLE)
+    doublings = receivers.direct_doublings.copy()
+    for first in range(0, len(blocked), BLOCKED_AT_ONCE):
+        asked = blocked[first : first + BLOCKED_AT_ONCE]
+        share[asked] = _clear_share(world, receivers[asked], LOG2_SLIT_PREVIEW, seed)
+        doublings[asked[(share[asked] > 0.0) & (share[asked] < LITTLE)]] += SLIT_DOUBLINGS
+    exact = closed_forms(world.emitters, receivers.points, receivers.normals)
+    return replace(receivers, clear_share=np.where(exact, share, 0.0), direct_doublings=doublings)
+
+
+def _clear_share(world: World, receivers: Receivers, log2_samples: int, seed: tuple[int, ...]) -> FloatArray:
+    """Share (r,) of the drawn light that nothing blocks, 0 where none is drawn."""
+    drawn = _draw(world, receivers, sobol(3, Stretch.of(log2_samples), seed=seed), hash_of(seed))
     clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
     weight = drawn.arrivals.radiance_solid_angle.sum(axis=1)
     count = len(receivers)
     total = np.bincount(drawn.arrivals.receiver, weights=weight, minlength=count)
     seen = np.bincount(drawn.arrivals.receiver, weights=weight * clear, minlength=count)
-    share = np.divide(seen, total, out=np.zeros(count), where=total > 0)
-    exact = closed_forms(world.emitters, receivers.points, receivers.normals)
-    return replace(receivers, clear_share=np.where(exact, share, 0.0))
+    return np.divide(seen, total, out=np.zeros(count), where=total > 0)
 
 
 @njit(**_COMPILED)

@@ -12,16 +12,20 @@ from numba import njit
 from lelight.mesh.closest import closest
 from lelight.mesh.nodes import SurfaceMesh
 from lelight.mesh.refinement import refine
-from lelight.scene import BoolArray, FloatArray, IntArray, Scene
+from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 
-#: Among more sources than this none is close to much, and all are left alone.
-MOST_SOURCES = 256
+#: Places on sources; where there are more, no single source counts for much, and all are left alone.
+MOST_PLACES = 256
+#: Places on an emitting triangle, weights of its corners: middle, corners, middles of edges.
+PLACES = np.concatenate([np.full((1, 3), 1 / 3), np.eye(3), 0.5 - 0.5 * np.eye(3)])
+#: An edge of this share of the root of a luminous triangle's area is short enough beside it.
+SHARE_OF_SIZE = 0.4
 #: No edge is made shorter than this share of the scene's diagonal.
 SHORTEST = 2e-4
 
 
 def graded(surface: SurfaceMesh, scene: Scene, labels: IntArray) -> SurfaceMesh:
-    """Bisect triangles until none is longer than a source is away, or large itself.
+    """Bisect triangles until none is longer than a source is away, or than half its size.
 
     Every patch stays conforming; the shape of its triangles suffers no more than by any bisection.
 
@@ -30,7 +34,7 @@ def graded(surface: SurfaceMesh, scene: Scene, labels: IntArray) -> SurfaceMesh:
     labels : (n_t,) int, patch of each triangle of the scene
     """
     centres, sizes = _sources(scene)
-    if not 0 < len(centres) <= MOST_SOURCES:
+    if not 0 < len(centres) <= MOST_PLACES:
         return surface
     least = np.maximum(sizes, SHORTEST * scene.diagonal)
     # At map coordinates distances of squares need a near origin.
@@ -45,13 +49,13 @@ def graded(surface: SurfaceMesh, scene: Scene, labels: IntArray) -> SurfaceMesh:
 
 
 def _sources(scene: Scene) -> tuple[FloatArray, FloatArray]:
-    """Middles (s, 3) of all sources and how large each is (s,), m."""
+    """Places (s, 3) of all sources, and the edge (s,) in m that is short enough beside each."""
     emitting = np.array([material.emits for material in scene.materials], dtype=np.bool_)
     corners = scene.corners[emitting[scene.triangle_materials]]
-    middles = corners.mean(axis=1)
-    radii = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1, initial=0.0)
+    on_faces = np.einsum("pc,tcx->tpx", PLACES, corners).reshape(-1, 3)
+    sizes = np.repeat(SHARE_OF_SIZE * np.sqrt(triangle_areas(corners)), len(PLACES))
     positions = np.array([lamp.position for lamp in scene.luminaires]).reshape(-1, 3)
-    return np.concatenate([middles, positions]), np.concatenate([2.0 * radii, np.zeros(len(positions))])
+    return np.concatenate([on_faces, positions]), np.concatenate([sizes, np.zeros(len(positions))])
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
