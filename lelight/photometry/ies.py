@@ -120,11 +120,13 @@ def _header(text: TextFile) -> _Header:
     if missing:
         named = ", ".join(f"[{key}]" for key in missing)
         findings.append(Finding("missing-keywords", "info", f"LM-63-{edition} asks for {named}", 1))
-    return _Header(edition, texts, index + 1, match[1].upper(), tuple(findings))
+    first_word = (re.split(r"[\s;,]", match[1].upper()) or [""])[0]
+    tilt = first_word if first_word in {"NONE", "INCLUDE"} else match[1].upper()
+    return _Header(edition, texts, index + 1, tilt, tuple(findings))
 
 
 def _edition(lines: tuple[str, ...]) -> int:
-    for line in lines[:3]:
+    for line in [line for line in lines if line.strip()][:3]:
         match = _EDITION.match(line)
         if match:
             year = int(match[1])
