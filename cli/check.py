@@ -48,10 +48,14 @@ def command(scene: Path, out: Path | None, **chosen: Any) -> None:
 def _scene(check: Check) -> list[str]:
     scene = check.scene
     low, high = scene.corners.reshape(-1, 3).min(axis=0), scene.corners.reshape(-1, 3).max(axis=0)
+    photometric = sum(not isinstance(lamp, PointLuminaire) for lamp in scene.luminaires)
+    points = len(scene.luminaires) - photometric
     size = " x ".join(f"{length:.4g}" for length in high - low)
     return [
         f"{scene.name}: {len(scene.triangles)} triangles, {size} m (unit {scene.unit}, {scene.up} up)",
-        f"{len(scene.luminaires)} luminaires, {len(scene.observers)} observers, {len(scene.planes)} planes",
+        f"{points} point luminaires, "
+        + (f"{photometric} photometric luminaires, " if photometric else "")
+        + f"{len(scene.observers)} observers, {len(scene.planes)} planes",
     ]
 
 

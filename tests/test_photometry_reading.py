@@ -224,6 +224,8 @@ def test_a_blank_line_too_many_in_the_numbers_changes_nothing(tmp_path):
         lambda text: text + "\n[END]\n",
         lambda text: text + "\x1a",
         lambda text: text.replace("TILT=NONE", "tilt = none "),
+        lambda text: text.replace("TILT=NONE", "TILT=NONE ; no tilt"),
+        lambda text: "\n\n\n" + text,
         lambda text: text.replace("[LUMCAT] P-600\n", ""),
         lambda text: text.replace("lelight tests", "Österreich"),
         lambda text: text[: text.index("TILT")] + text[text.index("TILT") :].replace(" ", ", "),

@@ -120,11 +120,13 @@ def _header(text: TextFile) -> _Header:
     if missing:
         named = ", ".join(f"[{key}]" for key in missing)
         findings.append(Finding("missing-keywords", "info", f"LM-63-{edition} asks for {named}", 1))
-    return _Header(edition, texts, index + 1, match[1].upper(), tuple(findings))
+    first_word = (re.split(r"[\s;,]", match[1].upper()) or [""])[0]
+    tilt = first_word if first_word in {"NONE", "INCLUDE"} else match[1].upper()
+    return _Header(edition, texts, index + 1, tilt, tuple(findings))
 
 
 def _edition(lines: tuple[str, ...]) -> int:
-    for line in lines[:3]:
+    for line in [line for line in lines if line.strip()][:3]:
         match = _EDITION.match(line)
         if match:
             year = int(match[1])
@@ -174,6 +176,8 @@ def _read_numbers(text: TextFile, header: _Header, *, decimal_comma: bool) -> Ph
     ballast = _bounded(numbers, numbers.take("ballast factor"), "ballast factor", lowest=0.0)
     photometric = _bounded(numbers, numbers.take("ballast-lamp photometric factor"), "factor", lowest=0.0)
     watts = numbers.take("input watts")
+    multiplier = _one_for_zero(multiplier, "candela multiplier", findings)
+    ballast = _one_for_zero(ballast, "ballast factor", findings)
     factor = multiplier * ballast * _photometric_factor(header.edition, photometric, numbers.line, findings)
     if not 0 < factor < LARGEST:
         raise text.error(
@@ -210,6 +214,13 @@ def _bounded(numbers: Numbers, found: float, what: str, *, lowest: float) -> flo
             numbers.line, f"{what}: found {found:.6g}; expected a number from {lowest:g} to {LARGEST:g}"
         )
     return found
+
+
+def _one_for_zero(found: float, what: str, findings: list[Finding]) -> float:
+    """Take a factor of zero, which a careless form leaves, for one."""
+    if found == 0:
+        findings.append(Finding("zero-factor", "error", f"the {what} is 0; read as 1"))
+    return found or 1.0
 
 
 def _kind(kind: int) -> str:
