@@ -21,6 +21,7 @@ COMMANDS = {
     "metrics": "Print every figure of a result.",
     "render": "Take a new picture of a result.",
     "report": "Write a PDF report of a result: luminance or glare.",
+    "validate": "Compute scenes with known answers and compare.",
 }
 
 

@@ -28,7 +28,7 @@ def cover(folder: ResultFolder, *, title: str, author: str | None) -> dict[str, 
     date = str(run.get("date") or "")
     facts = [
         ("Scene", str(run.get("scene") or MISSING)),
-        ("Calculated", _printed_date(date)),
+        ("Calculated", printed_date(date)),
         ("Program", f"lelight {run.get('lelight') or MISSING}"),
     ]
     named = [("Author", author)] if author else []
@@ -69,7 +69,7 @@ def _group(subject: Subject, readings: Sequence[Reading], kind: str) -> dict[str
     return {"kind": kind, "name": subject.name, "rows": [reading.row() for reading in readings]}
 
 
-def _printed_date(date: str) -> str:
+def printed_date(date: str) -> str:
     """Date and time to the minute, with the time zone where it was recorded."""
     try:
         return f"{datetime.fromisoformat(date):%Y-%m-%d %H:%M %Z}".rstrip()
