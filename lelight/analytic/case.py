@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lelight.calculation import Calculation
+from lelight.estimate.variants import Estimator
 from lelight.scene import FloatArray, Scene
-from lelight.settings import Estimator
 
 #: Stands for no error at all where a difference is divided by it.
 TINY = 1e-300
