@@ -10,6 +10,7 @@ from lelight.estimate.direct import direct_light, with_clear_share
 from lelight.reading.loading import load
 from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.scene import FloatArray, Scene
+from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World, build_world
 
 #: The room of CIE 171:2006, 4 x 4 x 3 m, fronts inwards.
@@ -58,7 +59,7 @@ def direct(
     scene: Scene, points: FloatArray, normals: FloatArray, *, log2_samples: int = 6, seed: int = 1
 ) -> FloatArray:
     """Direct illuminance (k,) in lx at points (k, 3) on surfaces with normals (k, 3)."""
-    return direct_in(build_world(scene, 1), points, normals, log2_samples=log2_samples, seed=seed)
+    return direct_in(build_world(scene, 1), points, normals, samples=Stretch.of(log2_samples), seed=seed)
 
 
 def direct_in(
@@ -68,5 +69,5 @@ def direct_in(
     normals = np.broadcast_to(np.asarray(normals, dtype=float), points.shape)
     receivers = with_surface(space_receivers(points, np.ascontiguousarray(normals)))
     receivers = with_clear_share(world, receivers, seed=(seed, 0))
-    moments, _ = direct_light(world, receivers, log2_samples=log2_samples, seed=(seed, 1))
+    moments, _ = direct_light(world, receivers, samples=Stretch.of(log2_samples), seed=(seed, 1))
     return np.asarray(moments[:, ILLUMINANCE, 0])

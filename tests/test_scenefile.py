@@ -92,6 +92,7 @@ def test_every_key_arrives(tmp_path: Path) -> None:
         "seed": 7,
         "threads": 2,
         "estimator": "emitters",
+        "adaptive": None,
         "batches": 16,
         "directions": 64,
     }
