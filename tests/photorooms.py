@@ -59,7 +59,7 @@ def direct(
     scene: Scene, points: FloatArray, normals: FloatArray, *, log2_samples: int = 6, seed: int = 1
 ) -> FloatArray:
     """Direct illuminance (k,) in lx at points (k, 3) on surfaces with normals (k, 3)."""
-    return direct_in(build_world(scene, 1), points, normals, samples=Stretch.of(log2_samples), seed=seed)
+    return direct_in(build_world(scene, 1), points, normals, log2_samples=log2_samples, seed=seed)
 
 
 def direct_in(
