@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from lelight.scene import LUMINANCE_WEIGHTS, FloatArray
 
-
 #: Fewer channels than these are no spectrum; between colour and spectrum a number of channels means nothing.
 LEAST_BANDS = 8
 
