@@ -1,6 +1,6 @@
 """Channels: what the last axis of every photometric array stands for.
 
-One channel is grey, three are linear Rec. 709 components, four or more are spectral bands. A band's value is
+One channel is grey, three are linear Rec. 709 components, eight or more are spectral bands. A band's value is
 the luminous quantity of the band times the number of bands, so that the luminance is the mean of all bands:
 every band then counts the same in any sum, however little of it the eye sees.
 """
@@ -11,6 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lelight.scene import LUMINANCE_WEIGHTS, FloatArray
+
+#: Fewer channels than these are no spectrum; between colour and spectrum a number of channels means nothing.
+LEAST_BANDS = 8
 
 
 def luminance_weighted(channels: ArrayLike, *, weights: ArrayLike | None = None) -> FloatArray:
@@ -32,7 +35,7 @@ def luminance_weighted(channels: ArrayLike, *, weights: ArrayLike | None = None)
 
 def is_spectral(count: int) -> bool:
     """Say whether this many channels are spectral bands."""
-    return count > len(LUMINANCE_WEIGHTS)
+    return count >= LEAST_BANDS
 
 
 def channel_suffixes(count: int) -> tuple[str, ...]:
