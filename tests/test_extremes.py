@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -49,6 +51,15 @@ def run(scene: Scene, *, edge: float | None = None, batches: int = 10, **others)
     return calculate(scene, Settings(**chosen))
 
 
+@contextmanager
+def few_trials() -> Iterator[None]:
+    """Let slow scenes try less beforehand: trials only choose the effort, here the least anyway."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(effort, "TRIALS", 2)
+        patch.setattr(defect, "LOG2_DEFECT_RAYS", 3)
+        yield
+
+
 def at_nodes(made: Calculation, chosen: BoolArray | None = None) -> FloatArray:
     """Illuminance (batches, k) of the visible nodes, or of some of them."""
     visible = ~made.field.mesh.hidden
@@ -81,14 +92,16 @@ def ordinary() -> Calculation:
 @pytest.mark.parametrize("reflectance", [0.5, 0.9, 0.98])
 def test_albedo(reflectance: float) -> None:
     """Closed form: the furnace."""
-    made = run(furnace(reflectance))
+    with few_trials():
+        made = run(furnace(reflectance))
     assert holds_everywhere(made, 1.0 / (1.0 - reflectance))
     assert not agrees(mean(made), 1.1 / (1.0 - reflectance), relative_error=OF_MEAN)
 
 
 def test_albedo_0995() -> None:
     """Closed form; four fifths of the light have been reflected more than forty times."""
-    made = run(furnace(0.995), edge=1.0, batches=8)
+    with few_trials():
+        made = run(furnace(0.995), edge=1.0, batches=6)
     assert agrees(mean(made), 200.0, relative_error=0.05)
     assert made.error.rms < 0.3
 
@@ -145,10 +158,16 @@ def test_luminance(luminance: float) -> None:
     np.testing.assert_allclose(run(bright).field.illuminance, expected, rtol=EXACT)
 
 
-@pytest.mark.parametrize("size", [(4.0, 3.0, 1e-3), (1e-3, 1e-3, 4.0)], ids=["gap", "shaft"])
-def test_a_gap_of_1_mm(size: tuple[float, float, float]) -> None:
+def test_a_gap_of_1_mm() -> None:
     """Closed form."""
-    assert holds_everywhere(run(furnace(RHO, size), edge=1.0, target=0.05), 1 / (1 - RHO))
+    assert holds_everywhere(run(furnace(RHO, (4.0, 3.0, 1e-3)), edge=1.0, target=0.05), 1 / (1 - RHO))
+
+
+def test_a_shaft_of_1_mm() -> None:
+    """Closed form, for the mean: light that comes a long way along the shaft is rare at single nodes."""
+    made = run(furnace(RHO, (1e-3, 1e-3, 4.0)), edge=1.0, target=0.05)
+    assert agrees(mean(made), 1 / (1 - RHO), relative_error=OF_MEAN)
+    np.testing.assert_array_less(np.abs(at_nodes(made).mean(axis=0) * (1 - RHO) - 1.0), OF_NODE)
 
 
 def test_a_gap_that_rays_jump_over_is_refused() -> None:
@@ -333,17 +352,18 @@ def room_of_gloss(exponent: float, estimator: str = "base") -> Calculation:
 
 def test_walls_of_exponent_500_against_the_path_tracer() -> None:
     """Chain vertices with a Phong lobe of this sharpness are spikes; bounded, they neither bias nor scatter."""
-    scene, made = glossy_room(0.4, 0.3, 500.0), room_of_gloss(500.0)
+    scene = glossy_room(0.4, 0.3, 500.0)
+    made = run(scene, edge=1.2, batches=32, target=0.03)
     assert agrees_with_tracer(scene, made, nodes=60, paths=8192)
     assert not agrees_with_tracer(glossy_room(0.4, 0.36, 500.0), made, nodes=60, paths=8192)
 
 
 def test_spikes_of_exponent_500_are_bounded() -> None:
     """Finite variance: the spread does not grow as batches are added, nor does one batch make it all."""
-    room = run(glossy_room(0.4, 0.3, 500.0), edge=2.5, batches=96)
+    room = run(glossy_room(0.4, 0.3, 500.0), edge=2.5, batches=64)
     light = at_nodes(room)
     deviation = (light - light.mean(axis=0)) ** 2
-    few, many = deviation[:32].mean(), deviation[32:].mean()
+    few, many = deviation[:24].mean(), deviation[24:].mean()
     assert 0.4 < few / many < 2.5
     assert deviation.mean(axis=1).max() < 0.25 * deviation.mean(axis=1).sum()
 
@@ -461,11 +481,8 @@ def random_scenes(draw: st.DrawFn) -> Scene:
 @given(random_scenes())
 def test_random_scenes_give_finite_light_and_no_more_than_there_is(scene: Scene) -> None:
     try:
-        with pytest.MonkeyPatch.context() as patch:
-            # Trials only choose the effort, and it is the least anyway.
-            patch.setattr(effort, "TRIALS", 2)
-            patch.setattr(defect, "LOG2_DEFECT_RAYS", 3)
-            made = run(scene, edge=1.5, batches=2, target=0.99, threads=1)
+        with few_trials():
+            made = run(scene, edge=0.25 * scene.diagonal, batches=2, target=0.99, threads=1)
     except SceneError as refusal:
         assert "\n" not in str(refusal)
         return

@@ -12,20 +12,18 @@ from numba import njit
 from lelight.mesh.closest import closest
 from lelight.mesh.nodes import SurfaceMesh
 from lelight.mesh.refinement import refine
-from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
+from lelight.scene import BoolArray, FloatArray, IntArray, Scene
 
 #: Places on sources; where there are more, no single source counts for much, and all are left alone.
 MOST_PLACES = 256
 #: Places on an emitting triangle, weights of its corners: middle, corners, middles of edges.
 PLACES = np.concatenate([np.full((1, 3), 1 / 3), np.eye(3), 0.5 - 0.5 * np.eye(3)])
-#: An edge of this share of the root of a luminous triangle's area is short enough beside it.
-SHARE_OF_SIZE = 0.4
 #: No edge is made shorter than this share of the scene's diagonal.
 SHORTEST = 2e-4
 
 
 def graded(surface: SurfaceMesh, scene: Scene, labels: IntArray) -> SurfaceMesh:
-    """Bisect triangles until none is longer than a source is away, or than half its size.
+    """Bisect triangles until none is longer than a source is away, or than it is large.
 
     Every patch stays conforming; the shape of its triangles suffers no more than by any bisection.
 
@@ -53,7 +51,8 @@ def _sources(scene: Scene) -> tuple[FloatArray, FloatArray]:
     emitting = np.array([material.emits for material in scene.materials], dtype=np.bool_)
     corners = scene.corners[emitting[scene.triangle_materials]]
     on_faces = np.einsum("pc,tcx->tpx", PLACES, corners).reshape(-1, 3)
-    sizes = np.repeat(SHARE_OF_SIZE * np.sqrt(triangle_areas(corners)), len(PLACES))
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    sizes = np.repeat(edges.max(axis=1, initial=0.0), len(PLACES))
     positions = np.array([lamp.position for lamp in scene.luminaires]).reshape(-1, 3)
     return np.concatenate([on_faces, positions]), np.concatenate([sizes, np.zeros(len(positions))])
 
