@@ -23,7 +23,7 @@ from lelight.settings import Settings
 from lelight.writing.files import make_folder, write_text
 
 #: Runs of a case until it is as precise as it asks for; each aims at what the one before missed.
-MOST_RUNS = 3
+MOST_RUNS = 5
 #: How much better than needed the next run aims, and the least share of a target it may go down to.
 MARGIN, LEAST_STEP = 0.75, 0.25
 

@@ -103,8 +103,9 @@ def test_calc_says_what_it_did_on_stderr_only(run, record):
     assert run.outcome.stdout == ""
     lines = run.outcome.stderr.splitlines()
     assert lines[0].startswith("lelight: estimating: 1 replicates doubled 0 times, ")
-    assert f"{record['nodes']} nodes, {record['replicates']} replicates" in lines[-4]
-    assert lines[-3].startswith(f"relative standard error {record['error']['rms']:.2%} ")
+    assert f"{record['nodes']} nodes, {record['replicates']} replicates" in lines[-5]
+    assert lines[-4].startswith(f"relative standard error {record['error']['rms']:.2%} ")
+    assert lines[-3] in record["bias"]
     assert re.fullmatch(r"work plane: Em \d+\.\d ± \d+\.\d lx", lines[-2])
     assert lines[-1] == f"results in {run.out}"
 
