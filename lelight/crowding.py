@@ -15,6 +15,8 @@ from lelight.tracing.world import World
 
 #: Surfaces closer than this share of a ray's offset lie in one another and hide nothing.
 SAME_PLACE = 0.02
+#: Surfaces whose normals have at least this cosine run alongside each other.
+ALONGSIDE = 0.9
 #: Share of the area that may be too crowded for rays.
 MOST_CROWDED = 0.01
 #: Least weight of a corner at a point that lies well inside a triangle.
@@ -44,10 +46,15 @@ def _behind_another(
 ) -> BoolArray:
     """Say of which surface points (k, 3) rays would start behind the surface of another patch than theirs."""
     hits = world.caster.closest(world.caster.leave(points, normals), -normals)
-    other = (hits.triangle >= 0) & (labels[hits.triangle] != patches)
+    other = (hits.triangle >= 0) & (labels[hits.triangle] != patches) & _alongside(hits.normals, normals)
     height = np.einsum("nx,nx->n", hits.points - points, normals)
     between = (height > SAME_PLACE * world.caster.offset) & (height < world.caster.offset)
     return np.asarray(other & between)
+
+
+def _alongside(one: FloatArray, other: FloatArray) -> BoolArray:
+    """Say which unit normals (k, 3) are of surfaces that run alongside each other; others only cross."""
+    return np.asarray(np.abs(np.einsum("nx,nx->n", one, other)) > ALONGSIDE)
 
 
 def require_room(scene: Scene, world: World, mesh: NodeMesh, taken: BoolArray) -> None:
@@ -80,6 +87,7 @@ def require_clear_emitters(scene: Scene, world: World) -> None:
     met = hits.triangle
     height = np.einsum("nx,nx->n", hits.points - points, normals)
     behind = (met >= 0) & (met != own) & (height > SAME_PLACE * world.caster.offset)
+    behind &= _alongside(hits.normals, normals)
     power = np.repeat(emitters.power[: len(emitters.areas)], len(PROBES))
     if float(power[behind].sum()) > MOST_CROWDED * float(power.sum()):
         raise _crowded(scene, world, "an emitting face and another surface")
