@@ -40,7 +40,7 @@ def _spheres(full: bool) -> Iterator[Case]:
 def _furnaces(full: bool) -> Iterator[Case]:
     for reflectance in (0.6, *((0.9,) if full else ())):
         yield furnace.nodes_case(reflectance, target=0.01 * _finer(full))
-        yield furnace.corners_case(reflectance, target=0.004 * _finer(full))
+        yield furnace.corners_case(reflectance, target=0.004)
 
 
 def _sobolev(full: bool) -> Iterator[Case]:
