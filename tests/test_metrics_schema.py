@@ -12,7 +12,7 @@ import pytest
 from commandline import NASTY, QUICK, ROOM_TOML, lelight, write_room
 
 SCHEMA = json.loads(
-    (Path(__file__).parents[1] / "schema" / "metrics.schema.json").read_text(encoding="utf-8")
+    (Path(__file__).parents[1] / "lelight" / "metrics" / "metrics.schema.json").read_text(encoding="utf-8")
 )
 
 #: Everything that a scene file can ask of the figures.

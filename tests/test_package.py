@@ -25,6 +25,9 @@ HEAVY = {
     *("OpenImageIO", "embreex", "ducc0", "pydantic", "rich"),
 }
 
+#: Files of the physics that are no modules.
+OWN_DATA = (Path("lelight/py.typed"), Path("lelight/metrics/metrics.schema.json"))
+
 
 @pytest.fixture(scope="module")
 def project():
@@ -93,7 +96,7 @@ def test_data_of_the_packages_is_declared(project):
     }
     templates = set((ROOT / "reports" / "templates").iterdir())
     assert templates
-    assert declared == {ROOT / "lelight" / "py.typed", *templates}
+    assert declared == {*(ROOT / path for path in OWN_DATA), *templates}
 
 
 def test_wheel_holds_the_package_and_nothing_else(project, tmp_path):
@@ -108,7 +111,7 @@ def test_wheel_holds_the_package_and_nothing_else(project, tmp_path):
     (wheel,) = tmp_path.glob("*.whl")
     names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
     modules = {path.relative_to(ROOT) for folder in python_folders() for path in (ROOT / folder).glob("*.py")}
-    data = {Path("lelight/py.typed"), *(path.relative_to(ROOT) for path in ROOT.glob("reports/templates/*"))}
+    data = {*OWN_DATA, *(path.relative_to(ROOT) for path in ROOT.glob("reports/templates/*"))}
     expected = {path if path.parts[0] == "lelight" else Path("lelight", path) for path in modules | data}
     assert names == {path.as_posix() for path in expected}
 
