@@ -11,15 +11,15 @@ from concurrent.futures import Executor
 import numpy as np
 
 from lelight.estimate.direct import direct_light, with_clear_share
-from lelight.mesh.nearest import TriangleGrid
+from lelight.mesh.nearest import nearest_points
 from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers, joined, space_receivers, with_surface
-from lelight.scene import BoolArray, FloatArray, IntArray, triangle_normals
+from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World
 
-#: Rounds of refinement; each halves the edges where it is needed.
-ROUNDS = 3
+#: Rounds of refinement; two halve the edges where it is needed.
+ROUNDS = 6
 #: Points of a triangle where interpolation is held against light: its middle, and toward each corner.
 PLACES: FloatArray = np.array([[2, 2, 2], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / 6.0
 #: Shadow rays of each place, as power of two.
@@ -40,10 +40,9 @@ def bent(
     corners = mesh.vertices[mesh.triangles]
     flat = np.einsum("pc,mcx->mpx", PLACES, corners).reshape(-1, 3)
     patches = np.repeat(mesh.triangle_patches, len(PLACES))
-    traced, weights = TriangleGrid(world.caster.corners, labels).find(flat, patches)
-    points = np.einsum("kc,kcx->kx", weights, world.caster.corners[traced])
+    points, traced = nearest_points(flat, patches, world.caster.corners, labels)
     sides = np.repeat(mesh.triangle_sides, len(PLACES))[:, None]
-    normals = sides * triangle_normals(world.caster.corners[traced])
+    normals = sides * world.normals[traced]
     inside = _direct(world, points, normals, seed, executor).reshape(-1, len(PLACES))
     at_nodes = _direct(world, mesh.positions, mesh.normals, seed, executor)
     off = np.abs(np.einsum("pc,mc->mp", PLACES, at_nodes[mesh.triangles]) - inside).max(axis=1)
@@ -63,5 +62,4 @@ def _direct(
         moments, _ = direct_light(world, shared, samples=Stretch.of(LOG2_RAYS), seed=(seed, 22))
         return np.asarray(moments[:, ILLUMINANCE] @ world.emitters.weights)
 
-    chunks = [receivers[slice(first, first + CHUNK)] for first in range(0, len(points), CHUNK)]
-    return np.concatenate([np.zeros(0), *executor.map(part, chunks)])
+    return np.concatenate([np.zeros(0), *executor.map(part, receivers.chunks(CHUNK))])

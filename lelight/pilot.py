@@ -91,8 +91,7 @@ def _seen_through_slits(
     world: World, receivers: Receivers, seed: tuple[int, ...], executor: Executor
 ) -> BoolArray:
     """Say from which surface receivers (r,) any of many points of the emitters is in sight."""
-    size = max(1, CHUNK >> LOG2_SLIT_RAYS // 2)
-    chunks = [receivers[slice(first, first + size)] for first in range(0, len(receivers), size)]
+    chunks = receivers.chunks(max(1, CHUNK >> LOG2_SLIT_RAYS // 2))
     ask = partial(_sees_emitter, world, seed=seed, log2_samples=LOG2_SLIT_RAYS)
     return np.concatenate([np.zeros(0, dtype=np.bool_), *executor.map(ask, chunks)])
 
@@ -101,10 +100,8 @@ def _reached(
     world: World, receivers: Receivers, walks: tuple[int, int], seed: tuple[int, ...], executor: Executor
 ) -> BoolArray:
     """`reached_by_light` by as many threads as there are."""
-    chunks = [slice(first, first + CHUNK) for first in range(0, len(receivers), CHUNK)]
     ask = partial(reached_by_light, world, walks=walks, seed=seed)
-    parts = executor.map(ask, [receivers[chunk] for chunk in chunks])
-    return np.concatenate([np.zeros(0, dtype=np.bool_), *parts])
+    return np.concatenate([np.zeros(0, dtype=np.bool_), *executor.map(ask, receivers.chunks(CHUNK))])
 
 
 def reached_by_light(

@@ -34,9 +34,6 @@ from lelight.tracing.world import World, build_world
 #: nodes.
 PLANE_DOUBLINGS, EYE_DOUBLINGS = 2, 6
 
-#: Bisections that halve the edges of a triangle.
-CUTS_TO_HALVE = 2
-
 #: Share of the light that all surfaces together must absorb, by area.
 LEAST_ABSORPTION = 1e-3
 
@@ -122,12 +119,11 @@ def _adapted(
     """Place nodes, and refine the mesh under them in rounds where that is asked for."""
     mesh, seen = _seen_nodes(scene, world, surface, labels, lit, settings, executor)
     for _ in range(ROUNDS if settings.adaptive else 0):
-        for _ in range(CUTS_TO_HALVE):
-            asked = _asked(world, surface, mesh, seen, labels, settings, executor)
-            if not asked.any():
-                return surface, mesh, seen
-            surface = refine(surface, asked, corners=world.caster.corners, labels=labels)
-            mesh, seen = _seen_nodes(scene, world, surface, labels, lit, settings, executor)
+        asked = _asked(world, surface, mesh, seen, labels, settings, executor)
+        if not asked.any():
+            break
+        surface = refine(surface, asked, corners=world.caster.corners, labels=labels)
+        mesh, seen = _seen_nodes(scene, world, surface, labels, lit, settings, executor)
     return surface, mesh, seen
 
 

@@ -53,6 +53,10 @@ class Receivers:
         """Select some of them."""
         return Receivers(**{name: column[chosen] for name, column in vars(self).items()})
 
+    def chunks(self, size: int) -> list[Receivers]:
+        """Cut into pieces of at most ``size``, in order."""
+        return [self[slice(first, first + size)] for first in range(0, len(self), size)]
+
 
 def surface_receivers(mesh: NodeMesh, material_degrees: IntArray) -> Receivers:
     """Take the nodes of a mesh; ``material_degrees`` (n_materials,) says what angular detail to keep."""

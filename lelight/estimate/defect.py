@@ -64,10 +64,11 @@ def defect_chains(world: World, base: BaseField, chains: Stretch, *, seed: tuple
     ChainVertices : flux is signed; an unbiased estimate of the missing light, as `emission_chains` is of all
     """
     parts = [no_vertices(world.channels)]
-    if _diffuse(world):
-        parts.append(_lambertian(world, base, chains, seed=(*seed, STARTS)))
+    faces = _faces(world, base) if _diffuse(world) else None
+    if faces is not None:
+        parts.append(_lambertian(world, base, faces, chains, seed=(*seed, STARTS)))
     if np.any(world.reflectances.specular_share > 0):
-        parts.append(_glossy(world, base, chains, seed=(*seed, GLOSS)))
+        parts.append(_glossy(world, base, faces, chains, seed=(*seed, GLOSS)))
     return joined(parts)
 
 
@@ -76,7 +77,9 @@ def _diffuse(world: World) -> bool:
     return bool(np.any(world.reflectances.diffuse_share[world.materials] > 0))
 
 
-def _lambertian(world: World, base: BaseField, chains: Stretch, *, seed: tuple[int, ...]) -> ChainVertices:
+def _lambertian(
+    world: World, base: BaseField, faces: _Faces, chains: Stretch, *, seed: tuple[int, ...]
+) -> ChainVertices:
     """Chains from the defect of the base, their starts drawn twice: over the surface, and by the light itself.
 
     Over the surface alone, the spot that a lamp close to a wall makes would hardly ever be met. Both ways are
@@ -88,22 +91,31 @@ def _lambertian(world: World, base: BaseField, chains: Stretch, *, seed: tuple[i
     if np.any(world.emitters.tables >= 0):
         # A luminaire by table sends from all of its opening but lights far places as a point: no pairs to weigh.
         points, seed = chain_numbers(chains, seed=seed), (*seed, chains.first)
-        first, chain = _over_surface(world, base, points, seed, weighed=False)
+        first, chain = _over_surface(world, base, faces, points, seed, weighed=False)
         return walk_on(world, first, chain=chain, points=points, seed=seed)
     half = chains.half()
     points, more = chain_numbers(half, seed=seed), chain_numbers(half, seed=(*seed, BY_LIGHT))
     seed = (*seed, chains.first)
-    starts = (_over_surface(world, base, points, seed), _by_light(world, base, more, (*seed, BY_LIGHT)))
+    starts = (
+        _over_surface(world, base, faces, points, seed),
+        _by_light(world, base, faces, more, (*seed, BY_LIGHT)),
+    )
     first = joined([vertices for vertices, _ in starts])
     chain = np.concatenate([starts[0][1], len(points) + starts[1][1]])
     return walk_on(world, first, chain=chain, points=np.concatenate([points, more]), seed=seed)
 
 
 def _over_surface(
-    world: World, base: BaseField, points: FloatArray, seed: tuple[int, ...], *, weighed: bool = True
+    world: World,
+    base: BaseField,
+    faces: _Faces,
+    points: FloatArray,
+    seed: tuple[int, ...],
+    *,
+    weighed: bool = True,
 ) -> tuple[ChainVertices, IntArray]:
     """Draw starts over the surface, weighed against the other way; also which row of ``points`` each is."""
-    start, area = _surface_points(world, base, points)
+    start, area = _surface_points(world, faces, points)
     rest = _rest_of_defect(world, base, start, (*seed, DEFECT_GATHER))
     receivers = with_surface(space_receivers(start.points, start.normals))
     owner, light = drawn_illuminance(
@@ -119,13 +131,13 @@ def _over_surface(
 
 
 def _by_light(
-    world: World, base: BaseField, points: FloatArray, seed: tuple[int, ...]
+    world: World, base: BaseField, faces: _Faces, points: FloatArray, seed: tuple[int, ...]
 ) -> tuple[ChainVertices, IntArray]:
     """Start where light from the emitters falls; also which row of ``points`` each is."""
     emitters = world.emitters
     origins, directions, flux = emit(emitters, points, world.caster.offset)
     start, alive = arrive(world, origins, directions, flux / len(points))
-    density = _surface_density(world, base)[start.triangles, np.where(start.front, 0, 1)]
+    density = _surface_density(world, faces)[start.triangles, np.where(start.front, 0, 1)]
     met = np.flatnonzero(density > 0.0)
     start, alive, density = start[met].with_lobes(DIFFUSE_LOBE), alive[met], density[met]
     rest = _rest_of_defect(world, base, start, (*seed, DEFECT_GATHER))
@@ -155,18 +167,16 @@ def _rest_of_defect(world: World, base: BaseField, start: ChainVertices, seed: t
     return gathered[:, ILLUMINANCE] - base.illuminance_at(start.triangles, start.points, start.front)
 
 
-def _surface_density(world: World, base: BaseField) -> FloatArray:
+def _surface_density(world: World, faces: _Faces) -> FloatArray:
     """Density (n_t, 2) in 1/m² with which starts are drawn over the fronts and backs of the triangles."""
-    faces = _faces(world, base)
     density = np.zeros((len(world.materials), 2))
     areas = triangle_areas(world.caster.corners)[faces.triangle]
     density[faces.triangle, np.where(faces.side > 0, 0, 1)] = faces.probability / areas
     return density
 
 
-def _surface_points(world: World, base: BaseField, numbers: FloatArray) -> tuple[ChainVertices, FloatArray]:
+def _surface_points(world: World, faces: _Faces, numbers: FloatArray) -> tuple[ChainVertices, FloatArray]:
     """Points on reflecting surfaces and the area (k,) in m² that each stands for, one over its density."""
-    faces = _faces(world, base)
     face = faces.drawn(numbers[:, 0])
     triangle, side = faces.triangle[face], faces.side[face]
     root = np.sqrt(numbers[:, 1])
@@ -211,14 +221,16 @@ def _share_of_dark(weight: FloatArray, lit: BoolArray) -> float:
     return DARK_SHARE / (1.0 - DARK_SHARE) * bright / dark if dark > 0 else 0.0
 
 
-def _glossy(world: World, base: BaseField, chains: Stretch, *, seed: tuple[int, ...]) -> ChainVertices:
+def _glossy(
+    world: World, base: BaseField, faces: _Faces | None, chains: Stretch, *, seed: tuple[int, ...]
+) -> ChainVertices:
     """Chains from emitters and the base's own radiance; of their first reflection only gloss is kept."""
     from_emitters = chain_numbers(chains, seed=(*seed, 1))
     origins, directions, flux = emit(world.emitters, from_emitters, world.caster.offset)
     housing = emitted_housings(world.emitters, from_emitters)
     from_base = chain_numbers(chains, seed=(*seed, 2))
-    if _diffuse(world):
-        base_origins, base_directions, base_flux = _emit_base(world, base, from_base)
+    if faces is not None:
+        base_origins, base_directions, base_flux = _emit_base(world, base, faces, from_base)
         origins = np.concatenate([origins, base_origins])
         directions = np.concatenate([directions, base_directions])
         flux = np.concatenate([flux, base_flux])
@@ -236,10 +248,10 @@ def _glossy(world: World, base: BaseField, chains: Stretch, *, seed: tuple[int, 
 
 
 def _emit_base(
-    world: World, base: BaseField, numbers: FloatArray
+    world: World, base: BaseField, faces: _Faces, numbers: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Let the base's Lambertian radiance shine: origins, directions and flux over probability."""
-    start, area = _surface_points(world, base, numbers)
+    start, area = _surface_points(world, faces, numbers)
     luminance = base.luminance_at(start.triangles, start.points, start.front)
     directions = cosine_directions(numbers[:, 3:5], start.normals)
     origins = world.caster.leave(start.points, start.normals)

@@ -84,6 +84,22 @@ class TriangleGrid:
         return found, weights
 
 
+def nearest_points(
+    points: FloatArray, groups: IntArray, corners: FloatArray, triangle_groups: IntArray
+) -> tuple[FloatArray, IntArray]:
+    """Put points on the triangles of their group: nearest points (k, 3), m, and the triangle (k,) of each.
+
+    Parameters
+    ----------
+    points : (k, 3) float, m
+    groups : (k,) int, each of which has a triangle
+    corners : (m, 3, 3) float, m
+    triangle_groups : (m,) int
+    """
+    triangles, weights = TriangleGrid(corners, triangle_groups).find(points, groups)
+    return np.asarray(np.einsum("kc,kcx->kx", weights, corners[triangles])), triangles
+
+
 def _layout(corners: FloatArray, groups: IntArray) -> Grids:
     """Lay out grids without members: about as many cells as triangles, none smaller than a mean triangle."""
     count = int(groups.max(initial=-1)) + 1

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lelight.mesh.locate import Locator
-from lelight.mesh.nearest import TriangleGrid
+from lelight.mesh.nearest import nearest_points
 from lelight.mesh.nodes import NodeMesh
 from lelight.scene import FloatArray, IntArray, triangle_areas, triangle_normals
 
@@ -55,8 +55,7 @@ def draw_probes(mesh: NodeMesh, corners: FloatArray, labels: IntArray, *, seed: 
     flat = np.einsum("kc,kcx->kx", rng.dirichlet(np.ones(3), count), mesh.vertices[mesh.triangles[drawn]])
     patches, sides = mesh.triangle_patches[drawn], mesh.triangle_sides[drawn]
     # On a curved patch the mesh leaves the surface that rays meet.
-    traced, weights = TriangleGrid(corners, labels).find(flat, patches)
-    points = np.einsum("kc,kcx->kx", weights, corners[traced])
+    points, traced = nearest_points(flat, patches, corners, labels)
     nodes, shares = Locator(mesh).find(points, patches, sides)
     return Probes(points, sides[:, None] * triangle_normals(corners[traced]), nodes, shares)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from lelight.mesh.bisection import longest_first, terminal_edges
 from lelight.mesh.edges import directed_edges, edge_keys
-from lelight.mesh.nearest import TriangleGrid
+from lelight.mesh.nearest import nearest_points
 from lelight.mesh.nodes import SurfaceMesh
 from lelight.scene import BoolArray, FloatArray, IntArray
 
@@ -31,7 +31,7 @@ def refine(surface: SurfaceMesh, asked: BoolArray, *, corners: FloatArray, label
         whole, asked = _cut_once(whole, asked)
     fresh = np.arange(len(surface.vertices), len(whole.vertices))
     vertices = whole.vertices.copy()
-    vertices[fresh] = _on_surface(vertices[fresh], whole.vertex_patches[fresh], corners, labels)
+    vertices[fresh], _ = nearest_points(vertices[fresh], whole.vertex_patches[fresh], corners, labels)
     order = np.argsort(whole.triangle_patches, kind="stable")
     return replace(
         whole,
@@ -91,9 +91,3 @@ def _mean_normals(pairs: FloatArray) -> FloatArray:
     mean = pairs.mean(axis=1)
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     return np.asarray(np.where(length > 0, mean / np.where(length > 0, length, 1.0), pairs[:, 0]))
-
-
-def _on_surface(points: FloatArray, patches: IntArray, corners: FloatArray, labels: IntArray) -> FloatArray:
-    """Nearest points (k, 3) of the traced triangles of each point's patch."""
-    traced, weights = TriangleGrid(corners, labels).find(points, patches)
-    return np.asarray(np.einsum("kc,kcx->kx", weights, corners[traced]))

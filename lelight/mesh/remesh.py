@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from lelight.mesh.bisection import bisect
-from lelight.mesh.nearest import TriangleGrid
+from lelight.mesh.nearest import nearest_points
 from lelight.mesh.nodes import SurfaceMesh
 from lelight.mesh.outlines import convex_quads
 from lelight.mesh.pieces import Piece, joined, select, triangle_quality, vertex_normals
@@ -192,9 +192,8 @@ def _projected(
     """Put points back on the patch: along the normal of a flat one, to the nearest point of a curved one."""
     if flat:
         return np.asarray(points - np.outer((points - vertices[0]) @ normal, normal))
-    grid = TriangleGrid(vertices[triangles], np.zeros(len(triangles), dtype=np.int64))
-    nearest, weights = grid.find(points, np.zeros(len(points), dtype=np.int64))
-    return np.asarray(np.einsum("kc,kcx->kx", weights, vertices[triangles[nearest]]))
+    same = [np.zeros(count, dtype=np.int64) for count in (len(points), len(triangles))]
+    return nearest_points(points, same[0], vertices[triangles], same[1])[0]
 
 
 def _covers(points: FloatArray, faces: IntArray, vertices: FloatArray, triangles: IntArray) -> bool:

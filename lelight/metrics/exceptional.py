@@ -10,6 +10,7 @@ from lelight.metrics.cie147 import COVERAGE_RANGE, LARGE_AREA, SMALL_AREA, great
 from lelight.metrics.cie232 import EFFECTIVE_LUMINANCE
 from lelight.metrics.figure import Figure, measured
 from lelight.results import ObserverValues
+from lelight.scene import FloatArray
 
 _SMALL, _LARGE = "CIE 147:2002 (from memory)", "CIE 147:2002, GGR (from memory)"
 _NON_UNIFORM = "CIE 232:2019 (from memory)"
@@ -56,8 +57,8 @@ def _large(values: ObserverValues, sources: Sequence[GlareSource], coverage: flo
         return Figure(None, "1", None, method, clause=_LARGE, note=f"does not apply: {reason}")
     total = glare_sum(sources)
 
-    def rating(indirect: object) -> float:
-        light = float(indirect)  # type: ignore[arg-type]
+    def rating(indirect: FloatArray) -> float:
+        light = float(indirect)
         if not light > 0:
             return math.nan
         return great_room_glare_rating(

@@ -299,24 +299,7 @@ def _table(
         )
         columns = n_c
     shares = np.array(numbers.take_many(columns * n_g, "intensities")).reshape(columns, n_g)
-    if numbers.left:
-        findings.append(
-            Finding(
-                "trailing-data",
-                "warning",
-                f"{numbers.left} numbers after the last intensity; not used",
-                numbers.line,
-            )
-        )
-    elif numbers.stopped_by is not None:
-        findings.append(
-            Finding(
-                "trailing-data",
-                "info",
-                f"found {quoted(numbers.stopped_by)} after the last intensity",
-                numbers.stopped_at,
-            )
-        )
+    findings += numbers.trailing()
     if shares.min() < 0:
         findings.append(
             Finding("negative-candela", "error", f"found {shares.min():g} cd/klm; read as 0", line)

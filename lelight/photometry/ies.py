@@ -184,7 +184,7 @@ def _read_numbers(text: TextFile, header: _Header, *, decimal_comma: bool) -> Ph
             numbers.line, f"multiplier times factors: found {factor:g}; expected a number above 0"
         )
     table = _table(numbers, n_vertical, n_horizontal, factor)
-    _look_at_rest(text, numbers, findings)
+    findings += numbers.trailing()
     table = _sane(text, table, findings)
     c, gamma, candela = _directions(text, kind, table, findings)
     absolute = lumens < 0
@@ -299,27 +299,6 @@ def _table(numbers: Numbers, n_vertical: int, n_horizontal: int, factor: float) 
     line = numbers.line
     candela = np.array(numbers.take_many(n_vertical * n_horizontal, "candela"))
     return _Table(vertical, horizontal, factor * candela.reshape(n_horizontal, n_vertical), line)
-
-
-def _look_at_rest(text: TextFile, numbers: Numbers, findings: list[Finding]) -> None:
-    if numbers.left:
-        findings.append(
-            Finding(
-                "trailing-data",
-                "warning",
-                f"{numbers.left} numbers after the last intensity; not used",
-                numbers.line,
-            )
-        )
-    elif numbers.stopped_by is not None and numbers.stopped_at <= len(text.lines):
-        findings.append(
-            Finding(
-                "trailing-data",
-                "info",
-                f"found {quoted(numbers.stopped_by)} after the last intensity",
-                numbers.stopped_at,
-            )
-        )
 
 
 def _sane(text: TextFile, table: _Table, findings: list[Finding]) -> _Table:

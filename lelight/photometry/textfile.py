@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lelight.errors import InputError
+from lelight.photometry.photometry import Finding
 from lelight.reading.inputfile import file_contents, quoted
 
 #: Largest file in bytes; the finest goniophotometer tables take a tenth of it.
@@ -139,6 +140,16 @@ class Numbers:
     def left(self) -> int:
         """How many numbers have not been taken."""
         return len(self.values) - self.position
+
+    def trailing(self) -> list[Finding]:
+        """Say what stands after the number that was taken last."""
+        if self.left:
+            text = f"{self.left} numbers after the last intensity; not used"
+            return [Finding("trailing-data", "warning", text, self.line)]
+        if self.stopped_by is not None:
+            text = f"found {quoted(self.stopped_by)} after the last intensity"
+            return [Finding("trailing-data", "info", text, self.stopped_at)]
+        return []
 
     @property
     def line(self) -> int:
