@@ -12,6 +12,7 @@ from lelight.clock import Clock
 from lelight.crowding import crowded, require_clear_emitters, require_room
 from lelight.errors import SceneError
 from lelight.estimate.base import BaseField, solve_base
+from lelight.estimate.defect import with_starts
 from lelight.estimate.direct import with_clear_share
 from lelight.estimate.variants import VARIANTS
 from lelight.mesh.grading import graded
@@ -101,6 +102,7 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
     if VARIANTS[settings.estimator].on_base:
         nodes = receivers[slice(0, len(mesh))]
         base = solve_base(world, mesh, nodes, labels=labels, lit=lit, seed=settings.seed, executor=executor)
+        base = with_starts(world, base, seed=settings.seed, executor=executor)
         if base.spots:
             plan = replace(plan, decisions=(*plan.decisions, SPOTS))
     clock.lap("base")

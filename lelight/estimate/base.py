@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
+from lelight.estimate.cells import Cells
 from lelight.estimate.direct import direct_light
 from lelight.estimate.nearfield import hemisphere_rays
 from lelight.mesh.locate import Locator
@@ -49,6 +50,7 @@ class BaseField:
     diffuse : (n_materials, C) float, kd
     materials : (n_t,) int of each traced triangle
     spots : whether lamps make spots on surfaces, too small and too bright for rays to find
+    starts : where chains that carry what it lacks start; None where nothing reflects, or before that is measured
     """
 
     labels: IntArray
@@ -58,6 +60,7 @@ class BaseField:
     diffuse: FloatArray
     materials: IntArray
     spots: bool = False
+    starts: Cells | None = None
 
     def illuminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
         """Interpolate the field (k, C), lx, at points (k, 3) on traced triangles (k,)."""

@@ -9,12 +9,16 @@ start from both with signed weights, and light the nodes like any others. The su
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from concurrent.futures import Executor
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from lelight.channels import luminance_weighted
 from lelight.estimate.base import BaseField
-from lelight.estimate.direct import drawn_illuminance, illuminance_and_density
+from lelight.estimate.cells import Cells, Drawn, cut
+from lelight.estimate.direct import direct_light, drawn_illuminance, illuminance_and_density
 from lelight.estimate.nearfield import near_field
 from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, triangle_areas
@@ -37,23 +41,16 @@ from lelight.tracing.world import World
 LOG2_DEFECT_RAYS = 6
 #: Share of starts on sides that the pilot walk found dark, in case it missed something.
 DARK_SHARE = 0.1
+#: Places at which the defect is measured beforehand for each node, their least and greatest number, and the rays
+#: of each, as power of two.
+PLACES_PER_NODE, PLACES, LOG2_MEASURING_RAYS = 2, (2**10, 2**16), 5
+CHUNK = 1024
+#: Share of starts that is drawn evenly, whatever was measured.
+EVENLY = 0.2
+#: A lamp is close to a place that it lights so many times more than if its flux were spread over all surfaces.
+CLOSE = 16.0
 #: Parts of a seed.
-STARTS, GLOSS, DEFECT_DIRECT, DEFECT_GATHER, BY_LIGHT = 11, 12, 13, 14, 15
-
-
-@dataclass(frozen=True)
-class _Faces:
-    """Sides of triangles from which chains can start: triangle, side (+1, -1) and cumulative probability."""
-
-    triangle: IntArray
-    side: IntArray
-    probability: FloatArray
-
-    def drawn(self, u: FloatArray) -> IntArray:
-        """Face (k,) for uniform numbers (k,)."""
-        cumulative = np.cumsum(self.probability)
-        found = np.searchsorted(cumulative, u * cumulative[-1], side="right")
-        return np.asarray(np.minimum(found, len(cumulative) - 1))
+STARTS, GLOSS, DEFECT_DIRECT, DEFECT_GATHER, BY_LIGHT, MEASURED = 11, 12, 13, 14, 15, 16
 
 
 def defect_chains(world: World, base: BaseField, chains: Stretch, *, seed: tuple[int, ...]) -> ChainVertices:
@@ -64,141 +61,32 @@ def defect_chains(world: World, base: BaseField, chains: Stretch, *, seed: tuple
     ChainVertices : flux is signed; an unbiased estimate of the missing light, as `emission_chains` is of all
     """
     parts = [no_vertices(world.channels)]
-    faces = _faces(world, base) if _diffuse(world) else None
-    if faces is not None:
-        parts.append(_lambertian(world, base, faces, chains, seed=(*seed, STARTS)))
+    starts = base.starts or neutral_starts(world, base)
+    if starts is not None:
+        parts.append(_lambertian(world, base, starts, chains, seed=(*seed, STARTS)))
     if np.any(world.reflectances.specular_share > 0):
-        parts.append(_glossy(world, base, faces, chains, seed=(*seed, GLOSS)))
+        parts.append(_glossy(world, base, starts, chains, seed=(*seed, GLOSS)))
     return joined(parts)
 
 
-def _diffuse(world: World) -> bool:
-    """Say whether any surface has a Lambertian lobe."""
-    return bool(np.any(world.reflectances.diffuse_share[world.materials] > 0))
+def with_starts(world: World, base: BaseField, *, seed: int, executor: Executor) -> BaseField:
+    """Measure what a base lacks here and there, so that chains start where it is much."""
+    cells = neutral_starts(world, base)
+    if cells is None:
+        return base
+    places = int(np.clip(PLACES_PER_NODE * len(base.illuminance), *PLACES))
+    rng = np.random.default_rng((seed, MEASURED))
+    numbers = rng.random((places, 3))
+    numbers[:, 0] = (np.arange(places) + numbers[:, 0]) / places
+    drawn, cell = cells.draw(numbers)
+    ask = partial(_lack, world, base, drawn)
+    chunks = [np.arange(first, min(first + CHUNK, places)) for first in range(0, places, CHUNK)]
+    lack = np.concatenate(list(executor.map(lambda chunk: ask(chunk, seed=(seed, MEASURED)), chunks)))
+    return replace(base, starts=cells.with_weights(cells.probability * _importance(lack, cell, len(cells))))
 
 
-def _lambertian(
-    world: World, base: BaseField, faces: _Faces, chains: Stretch, *, seed: tuple[int, ...]
-) -> ChainVertices:
-    """Chains from the defect of the base, their starts drawn twice: over the surface, and by the light itself.
-
-    Over the surface alone, the spot that a lamp close to a wall makes would hardly ever be met. Both ways are
-    weighed by the balance heuristic over pairs of lamp point z and surface point y. With g(z, y) the light sent,
-    q(z | y) and a(y) the densities of drawing a lamp point from y and y over the surface, and g / flux that of
-    light falling from z on y, a pair stands for (g + rest q) / (a q + g / flux), rest being the defect but for
-    its direct light. That is bounded, however close the lamp.
-    """
-    if np.any(world.emitters.tables >= 0):
-        # A luminaire by table sends from all of its opening but lights far places as a point: no pairs to weigh.
-        points, seed = chain_numbers(chains, seed=seed), (*seed, chains.first)
-        first, chain = _over_surface(world, base, faces, points, seed, weighed=False)
-        return walk_on(world, first, chain=chain, points=points, seed=seed)
-    half = chains.half()
-    points, more = chain_numbers(half, seed=seed), chain_numbers(half, seed=(*seed, BY_LIGHT))
-    seed = (*seed, chains.first)
-    starts = (
-        _over_surface(world, base, faces, points, seed),
-        _by_light(world, base, faces, more, (*seed, BY_LIGHT)),
-    )
-    first = joined([vertices for vertices, _ in starts])
-    chain = np.concatenate([starts[0][1], len(points) + starts[1][1]])
-    return walk_on(world, first, chain=chain, points=np.concatenate([points, more]), seed=seed)
-
-
-def _over_surface(
-    world: World,
-    base: BaseField,
-    faces: _Faces,
-    points: FloatArray,
-    seed: tuple[int, ...],
-    *,
-    weighed: bool = True,
-) -> tuple[ChainVertices, IntArray]:
-    """Draw starts over the surface, weighed against the other way; also which row of ``points`` each is."""
-    start, area = _surface_points(world, faces, points)
-    rest = _rest_of_defect(world, base, start, (*seed, DEFECT_GATHER))
-    receivers = with_surface(space_receivers(start.points, start.normals))
-    owner, light = drawn_illuminance(
-        world, receivers, samples=Stretch.of(LOG2_DEFECT_RAYS), seed=(*seed, DEFECT_DIRECT)
-    )
-    draws = 2**LOG2_DEFECT_RAYS
-    by_light = (light @ world.emitters.weights) / world.emitters.power.sum() if weighed else 0.0
-    weight = 1.0 / (1.0 + area[owner] * by_light)
-    # Draws that found no lamp stand for the rest alone, with their whole weight.
-    defect = rest * (1.0 - np.bincount(owner, minlength=len(points)) / draws)[:, None]
-    np.add.at(defect, owner, (light + rest[owner]) * weight[:, None] / draws)
-    return start.with_flux(defect * (area / len(points))[:, None]), np.arange(len(points))
-
-
-def _by_light(
-    world: World, base: BaseField, faces: _Faces, points: FloatArray, seed: tuple[int, ...]
-) -> tuple[ChainVertices, IntArray]:
-    """Start where light from the emitters falls; also which row of ``points`` each is."""
-    emitters = world.emitters
-    origins, directions, flux = emit(emitters, points, world.caster.offset)
-    start, alive = arrive(world, origins, directions, flux / len(points))
-    density = _surface_density(world, faces)[start.triangles, np.where(start.front, 0, 1)]
-    met = np.flatnonzero(density > 0.0)
-    start, alive, density = start[met].with_lobes(DIFFUSE_LOBE), alive[met], density[met]
-    rest = _rest_of_defect(world, base, start, (*seed, DEFECT_GATHER))
-    last = len(emitters.power) - 1
-    sources = np.minimum(np.searchsorted(emitters.power_cdf, points[alive, 0], side="right"), last)
-    light, drawn = illuminance_and_density(world, sources, start.points, start.normals, start.incoming)
-    both_ways = density * drawn + light @ emitters.weights / emitters.power.sum()
-    pair = np.divide(
-        light + rest * drawn[:, None],
-        both_ways[:, None],
-        out=np.zeros_like(light),
-        where=both_ways[:, None] > 0,
-    )
-    return start.with_flux(pair / len(points)), alive
-
-
-def _rest_of_defect(world: World, base: BaseField, start: ChainVertices, seed: tuple[int, ...]) -> FloatArray:
-    """Illuminance (k, C) that the base gives at places, gathered, less what it says of them."""
-    gathered, _, _ = near_field(
-        world,
-        with_surface(space_receivers(start.points, start.normals)),
-        bound=math.inf,
-        samples=Stretch.of(LOG2_DEFECT_RAYS),
-        seed=seed,
-        base=base,
-    )
-    return gathered[:, ILLUMINANCE] - base.illuminance_at(start.triangles, start.points, start.front)
-
-
-def _surface_density(world: World, faces: _Faces) -> FloatArray:
-    """Density (n_t, 2) in 1/m² with which starts are drawn over the fronts and backs of the triangles."""
-    density = np.zeros((len(world.materials), 2))
-    areas = triangle_areas(world.caster.corners)[faces.triangle]
-    density[faces.triangle, np.where(faces.side > 0, 0, 1)] = faces.probability / areas
-    return density
-
-
-def _surface_points(world: World, faces: _Faces, numbers: FloatArray) -> tuple[ChainVertices, FloatArray]:
-    """Points on reflecting surfaces and the area (k,) in m² that each stands for, one over its density."""
-    face = faces.drawn(numbers[:, 0])
-    triangle, side = faces.triangle[face], faces.side[face]
-    root = np.sqrt(numbers[:, 1])
-    weights = np.stack([1.0 - root, root * (1.0 - numbers[:, 2]), root * numbers[:, 2]], axis=1)
-    points = np.einsum("kc,kcx->kx", weights, world.caster.corners[triangle])
-    normals = side[:, None] * world.normals[triangle]
-    vertices = ChainVertices(
-        points=points,
-        normals=normals,
-        incoming=normals,
-        flux=np.zeros((len(points), world.channels)),
-        materials=world.materials[triangle],
-        triangles=triangle,
-        front=side > 0,
-        lobes=np.full(len(points), DIFFUSE_LOBE),
-    )
-    areas = triangle_areas(world.caster.corners)
-    return vertices, areas[triangle] / faces.probability[face]
-
-
-def _faces(world: World, base: BaseField) -> _Faces:
-    """Sides of all triangles that reflect diffusely, by area and albedo; dark ones more rarely."""
+def neutral_starts(world: World, base: BaseField) -> Cells | None:
+    """Cells of all sides that reflect diffusely, by area and albedo, dark ones more rarely; None without any."""
     albedo = world.reflectances.diffuse_share[world.materials]
     fronts = triangle_areas(world.caster.corners) * albedo
     weight = np.concatenate([fronts, np.where(world.caster.backs < 0, fronts, 0.0)])
@@ -206,10 +94,155 @@ def _faces(world: World, base: BaseField) -> _Faces:
     weight = np.where(lit, weight, _share_of_dark(weight, lit) * weight)
     count = len(world.materials)
     chosen = np.flatnonzero(weight > 0)
-    return _Faces(
-        triangle=chosen % count,
-        side=np.where(chosen < count, 1, -1),
-        probability=weight[chosen] / weight.sum(),
+    if not len(chosen):
+        return None
+    faces = chosen % count, np.where(chosen < count, 1, -1)
+    wanted = int(np.clip(PLACES_PER_NODE * len(base.illuminance), *PLACES))
+    return cut(world.caster.corners, faces=faces, weights=weight[chosen], wanted=wanted)
+
+
+def _lack(
+    world: World, base: BaseField, drawn: Drawn, chunk: IntArray, *, seed: tuple[int, ...]
+) -> FloatArray:
+    """Illuminance (k,) in lx that some drawn places get in truth beyond what the base says, either way."""
+    start = _standing(world, drawn)[chunk]
+    receivers = with_surface(space_receivers(start.points, start.normals))
+    receivers = replace(receivers, identity=chunk)
+    few = Stretch.of(LOG2_MEASURING_RAYS)
+    rest = _rest_of_defect(world, base, start, few, (*seed, DEFECT_GATHER), identity=chunk)
+    direct, _ = direct_light(world, receivers, samples=few, seed=(*seed, DEFECT_DIRECT))
+    return np.abs(luminance_weighted(rest + direct[:, ILLUMINANCE]))
+
+
+def _importance(lack: FloatArray, cell: IntArray, count: int) -> FloatArray:
+    """Factor (count,) of each cell's probability by what was found lacking (k,) in cells (k,), in their order.
+
+    A cell that none was drawn in goes by the next that one was.
+    """
+    mean = float(lack.mean())
+    if not mean > 0.0:
+        return np.ones(count)
+    drawn = np.bincount(cell, minlength=count)
+    found = np.flatnonzero(drawn)
+    own = np.bincount(cell, weights=lack, minlength=count)[found] / drawn[found]
+    near = np.searchsorted(found, np.arange(count)).clip(max=len(found) - 1)
+    return np.asarray(EVENLY + (1.0 - EVENLY) * own[near] / mean)
+
+
+def _lambertian(
+    world: World, base: BaseField, starts: Cells, chains: Stretch, *, seed: tuple[int, ...]
+) -> ChainVertices:
+    """Chains from the defect of the base, their starts drawn in two ways: over the surface, and by the light itself.
+
+    Over the surface alone, the spot that a lamp close to a wall makes would hardly ever be met. So pairs of lamp
+    point z and surface point y are shared out: where the light g(z, y) that is sent, over the density q(z | y) of
+    drawing the lamp point from y, is many times what the lamps would give if spread over all surfaces, the pair
+    belongs to chains that light leads to y with density g / flux, and otherwise to those over the surface. A pair
+    stands for g + rest q, rest being the defect but for its direct light; both ways stay bounded, however close
+    the lamp, and where none is close the second costs its rays only.
+    """
+    if np.any(world.emitters.tables >= 0):
+        # A luminaire by table sends from all of its opening but lights far places as a point: no pairs to weigh.
+        points, seed = chain_numbers(chains, seed=seed), (*seed, chains.first)
+        first, chain = _over_surface(world, base, starts, points, seed, shared_out=False)
+        return walk_on(world, first, chain=chain, points=points, seed=seed)
+    points, more = chain_numbers(chains, seed=seed), chain_numbers(chains, seed=(*seed, BY_LIGHT))
+    seed = (*seed, chains.first)
+    both = (
+        _over_surface(world, base, starts, points, seed),
+        _by_light(world, base, starts, more, (*seed, BY_LIGHT)),
+    )
+    first = joined([vertices for vertices, _ in both])
+    chain = np.concatenate([both[0][1], len(points) + both[1][1]])
+    return walk_on(world, first, chain=chain, points=np.concatenate([points, more]), seed=seed)
+
+
+def _over_surface(
+    world: World,
+    base: BaseField,
+    starts: Cells,
+    points: FloatArray,
+    seed: tuple[int, ...],
+    *,
+    shared_out: bool = True,
+) -> tuple[ChainVertices, IntArray]:
+    """Draw starts over the surface, but for pairs with close lamps; also which row of ``points`` each is."""
+    drawn, _ = starts.draw(points[:, :3])
+    start, area = _standing(world, drawn), drawn.area
+    rest = _rest_of_defect(world, base, start, Stretch.of(LOG2_DEFECT_RAYS), (*seed, DEFECT_GATHER))
+    receivers = with_surface(space_receivers(start.points, start.normals))
+    owner, light = drawn_illuminance(
+        world, receivers, samples=Stretch.of(LOG2_DEFECT_RAYS), seed=(*seed, DEFECT_DIRECT)
+    )
+    draws = 2**LOG2_DEFECT_RAYS
+    kept = light @ world.emitters.weights <= (_close_light(world) if shared_out else np.inf)
+    # Draws that found no lamp stand for the rest alone, with their whole weight.
+    defect = rest * (1.0 - np.bincount(owner, minlength=len(points)) / draws)[:, None]
+    np.add.at(defect, owner, (light + rest[owner]) * kept[:, None] / draws)
+    return start.with_flux(defect * (area / len(points))[:, None]), np.arange(len(points))
+
+
+def _by_light(
+    world: World, base: BaseField, starts: Cells, points: FloatArray, seed: tuple[int, ...]
+) -> tuple[ChainVertices, IntArray]:
+    """Start where light from the emitters falls; also which row of ``points`` each is."""
+    emitters = world.emitters
+    origins, directions, flux = emit(emitters, points, world.caster.offset)
+    start, alive = arrive(world, origins, directions, flux / len(points))
+    last = len(emitters.power) - 1
+    sources = np.minimum(np.searchsorted(emitters.power_cdf, points[alive, 0], side="right"), last)
+    light, drawn = illuminance_and_density(world, sources, start.points, start.normals, start.incoming)
+    sent = light @ emitters.weights
+    side = np.where(start.front, 1, -1)
+    close = sent > drawn * _close_light(world)
+    close &= starts.density(start.triangles, side, start.points) > 0.0
+    start, light, drawn = start[close].with_lobes(DIFFUSE_LOBE), light[close], drawn[close, None]
+    rest = _rest_of_defect(world, base, start, Stretch.of(LOG2_DEFECT_RAYS), (*seed, DEFECT_GATHER))
+    pair = (light + rest * drawn) * (emitters.power.sum() / sent[close, None])
+    return start.with_flux(pair / len(points)), alive[close]
+
+
+def _close_light(world: World) -> float:
+    """Illuminance in lx by one drawn lamp point from which on the lamp counts as close."""
+    return CLOSE * float(world.emitters.power.sum()) / world.area
+
+
+def _rest_of_defect(
+    world: World,
+    base: BaseField,
+    start: ChainVertices,
+    samples: Stretch,
+    seed: tuple[int, ...],
+    *,
+    identity: IntArray | None = None,
+) -> FloatArray:
+    """Illuminance (k, C) that the base gives at places, gathered, less what it says of them."""
+    receivers = with_surface(space_receivers(start.points, start.normals))
+    if identity is not None:
+        receivers = replace(receivers, identity=identity)
+    gathered, _, _ = near_field(
+        world,
+        receivers,
+        bound=math.inf,
+        samples=samples,
+        seed=seed,
+        base=base,
+    )
+    return gathered[:, ILLUMINANCE] - base.illuminance_at(start.triangles, start.points, start.front)
+
+
+def _standing(world: World, drawn: Drawn) -> ChainVertices:
+    """Vertices without flux at drawn places."""
+    normals = drawn.side[:, None] * world.normals[drawn.triangle]
+    return ChainVertices(
+        points=drawn.points,
+        normals=normals,
+        incoming=normals,
+        flux=np.zeros((len(normals), world.channels)),
+        materials=world.materials[drawn.triangle],
+        triangles=drawn.triangle,
+        front=drawn.side > 0,
+        lobes=np.full(len(normals), DIFFUSE_LOBE),
     )
 
 
@@ -222,15 +255,15 @@ def _share_of_dark(weight: FloatArray, lit: BoolArray) -> float:
 
 
 def _glossy(
-    world: World, base: BaseField, faces: _Faces | None, chains: Stretch, *, seed: tuple[int, ...]
+    world: World, base: BaseField, starts: Cells | None, chains: Stretch, *, seed: tuple[int, ...]
 ) -> ChainVertices:
     """Chains from emitters and the base's own radiance; of their first reflection only gloss is kept."""
     from_emitters = chain_numbers(chains, seed=(*seed, 1))
     origins, directions, flux = emit(world.emitters, from_emitters, world.caster.offset)
     housing = emitted_housings(world.emitters, from_emitters)
     from_base = chain_numbers(chains, seed=(*seed, 2))
-    if faces is not None:
-        base_origins, base_directions, base_flux = _emit_base(world, base, faces, from_base)
+    if starts is not None:
+        base_origins, base_directions, base_flux = _emit_base(world, base, starts, from_base)
         origins = np.concatenate([origins, base_origins])
         directions = np.concatenate([directions, base_directions])
         flux = np.concatenate([flux, base_flux])
@@ -248,11 +281,12 @@ def _glossy(
 
 
 def _emit_base(
-    world: World, base: BaseField, faces: _Faces, numbers: FloatArray
+    world: World, base: BaseField, starts: Cells, numbers: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Let the base's Lambertian radiance shine: origins, directions and flux over probability."""
-    start, area = _surface_points(world, faces, numbers)
+    drawn, _ = starts.draw(numbers[:, :3])
+    start = _standing(world, drawn)
     luminance = base.luminance_at(start.triangles, start.points, start.front)
     directions = cosine_directions(numbers[:, 3:5], start.normals)
     origins = world.caster.leave(start.points, start.normals)
-    return origins, directions, math.pi * luminance * area[:, None]
+    return origins, directions, math.pi * luminance * drawn.area[:, None]

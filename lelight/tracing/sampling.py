@@ -41,10 +41,6 @@ class Stretch:
             return cls(0, 2**log2_count)
         return cls(2 ** (log2_count + doubling - 1), 2 ** (log2_count + doubling - 1))
 
-    def half(self) -> Stretch:
-        """Half of it, for two sequences that share its points; a stretch of one point stays whole."""
-        return self if self.count == 1 else Stretch(self.first // 2, self.count // 2)
-
     def parts(self, most: int) -> Iterator[Stretch]:
         """Cut into pieces of at most ``most`` points, the same whatever the machine."""
         for first in range(self.first, self.first + self.count, most):
