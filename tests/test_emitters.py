@@ -21,13 +21,14 @@ from lelight.tracing.drawing import (
     choice_cdf,
     chosen,
     drawn_density,
-    rough_cdf,
+    rough_cdfs,
     shines,
     source_strength,
-    toward,
+    toward_face,
     unshadowed,
 )
 from lelight.tracing.emitters import collect_emitters
+from lelight.tracing.lamps import toward_lamp
 from lelight.tracing.triangles import triangle_irradiance
 
 EXACT = 1e-9
@@ -126,6 +127,22 @@ def contributions(emitters, place, normal, *, on_surface=True):
         unshadowed(alone, *place, *normal, total)
         light[source] = total[0]
     return light
+
+
+def rough_cdf(emitters, x, y, z, nx, ny, nz, cdf):
+    """One place's row of `rough_cdfs`; returns whether any source can light it."""
+    rows = np.empty((1, len(cdf)))
+    rough_cdfs(emitters, np.array([[x, y, z]]), np.array([[nx, ny, nz]]), rows)
+    cdf[:] = rows[0]
+    return cdf[-1] > 0.0
+
+
+def toward(emitters, source, x, y, z, u, v, offset):
+    triangles = len(emitters.areas)
+    if source >= triangles:
+        return toward_lamp(emitters, source - triangles, x, y, z, u, v, offset)
+    faces = emitters.corners, emitters.normals, emitters.areas, emitters.both_sides
+    return toward_face(*faces, source, x, y, z, u, v, offset)
 
 
 @settings(deadline=None)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numba import njit
 
 from lelight.scene import FloatArray, IntArray, triangle_areas
 
@@ -78,15 +79,20 @@ class Cells:
         points = np.einsum("kc,kcx->kx", weights, self.corners[triangle])
         return Drawn(triangle, self.side[face], points, self._areas(face) / self.probability[cell]), cell
 
+    def at(self, triangle: IntArray, side: IntArray, points: FloatArray) -> IntArray:
+        """Find the cell (k,) around each point (k, 3) on a side of a triangle, -1 where that has none."""
+        face = self.face_of[triangle, np.where(side > 0, 0, 1)]
+        cell = np.empty(len(points), dtype=np.int64)
+        _find(self.corners, triangle, face, self.first, self.segments, points, cell)
+        return cell
+
     def density(self, triangle: IntArray, side: IntArray, points: FloatArray) -> FloatArray:
         """Density (k,) in 1/m² with which places on sides of triangles are drawn; 0 where none are."""
-        face = self.face_of[triangle, np.where(side > 0, 0, 1)]
-        known = np.flatnonzero(face >= 0)
+        cell = self.at(triangle, side, points)
         density = np.zeros(len(points))
-        own = face[known]
-        v, w = _barycentric(self.corners[triangle[known]], points[known])
-        cell = self.first[own] + _number(v, w, self.segments[own])
-        density[known] = self.probability[cell] / self._areas(own)
+        known = cell >= 0
+        own = self.face_of[triangle[known], np.where(side[known] > 0, 0, 1)]
+        density[known] = self.probability[cell[known]] / self._areas(own)
         return density
 
     def _areas(self, face: IntArray) -> FloatArray:
@@ -95,7 +101,7 @@ class Cells:
 
 
 def cut(corners: FloatArray, *, faces: tuple[IntArray, IntArray], weights: FloatArray, wanted: int) -> Cells:
-    """Cut faces into about so many cells of like area, with probabilities by the faces' weights.
+    """Cut faces into about so many cells of like weight, which is their probability.
 
     Parameters
     ----------
@@ -105,8 +111,7 @@ def cut(corners: FloatArray, *, faces: tuple[IntArray, IntArray], weights: Float
     wanted : int; there is at least one cell a face
     """
     triangle, side = faces
-    areas = triangle_areas(corners[triangle])
-    segments = np.sqrt(wanted * areas / areas.sum())
+    segments = np.sqrt(wanted * weights / weights.sum())
     segments = np.clip(np.rint(segments), 1, MOST_SEGMENTS).astype(np.int64)
     face_of = np.full((len(corners), 2), -1, dtype=np.int64)
     face_of[triangle, np.where(side > 0, 0, 1)] = np.arange(len(triangle))
@@ -123,24 +128,32 @@ def _position(number: IntArray, segments: IntArray) -> tuple[IntArray, IntArray,
     return row, within // 2, within % 2
 
 
-def _number(v: FloatArray, w: FloatArray, segments: IntArray) -> IntArray:
-    """Find the number (k,) in its face of the cell around each place, given by its second and third weight."""
-    row = np.clip(np.floor(v * segments).astype(np.int64), 0, segments - 1)
-    column = np.clip(np.floor(w * segments).astype(np.int64), 0, segments - 1 - row)
-    inverted = (v + w) * segments - row - column > 1.0
-    inverted &= row + column < segments - 1
-    return np.asarray(row * (2 * segments - row) + 2 * column + inverted)
-
-
-def _barycentric(corners: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Weights (k,) of the second and the third corner at points (k, 3) of triangles (k, 3, 3)."""
-    one, two, to = (
-        corners[:, 1] - corners[:, 0],
-        corners[:, 2] - corners[:, 0],
-        points - corners[:, 0],
-    )
-    normal = np.cross(one, two)
-    square = np.maximum(np.einsum("kx,kx->k", normal, normal), np.finfo(float).tiny)
-    v = np.einsum("kx,kx->k", np.cross(to, two), normal) / square
-    w = np.einsum("kx,kx->k", np.cross(one, to), normal) / square
-    return v, w
+@njit(cache=True, nogil=True, error_model="numpy")
+def _find(
+    corners: FloatArray,
+    triangle: IntArray,
+    face: IntArray,
+    first: IntArray,
+    segments: IntArray,
+    points: FloatArray,
+    cell: IntArray,
+) -> None:
+    """Write the cell of each point (k, 3) on a triangle (k,) into ``cell`` (k,), -1 where its face is -1."""
+    for k in range(len(points)):
+        if face[k] < 0:
+            cell[k] = -1
+            continue
+        a, n = corners[triangle[k]], segments[face[k]]
+        if n == 1:
+            cell[k] = first[face[k]]
+            continue
+        one, two, to = a[1] - a[0], a[2] - a[0], points[k] - a[0]
+        one_one, one_two, two_two = np.dot(one, one), np.dot(one, two), np.dot(two, two)
+        to_one, to_two = np.dot(to, one), np.dot(to, two)
+        square = one_one * two_two - one_two * one_two
+        v = (two_two * to_one - one_two * to_two) / square * n
+        w = (one_one * to_two - one_two * to_one) / square * n
+        row = min(max(int(v), 0), n - 1)
+        column = min(max(int(w), 0), n - 1 - row)
+        inverted = v + w - row - column > 1.0 and row + column < n - 1
+        cell[k] = first[face[k]] + row * (2 * n - row) + 2 * column + inverted

@@ -24,11 +24,11 @@ from lelight.tracing.drawing import (
     chosen,
     source_housing,
     source_strength,
-    toward,
+    toward_face,
     unshadowed,
 )
 from lelight.tracing.emitters import Emitters
-from lelight.tracing.lamps import has_closed_form
+from lelight.tracing.lamps import has_closed_form, toward_lamp
 from lelight.tracing.sampling import Stretch, mix, rotated, sobol, uniform
 from lelight.tracing.triangles import triangle_density
 from lelight.tracing.world import World
@@ -251,6 +251,13 @@ def _draw_rays(
 ) -> int:
     """Draw the shadow rays of each receiver; returns how many carry light."""
     count = 0
+    corners, faces, areas, both_sides = (
+        emitters.corners,
+        emitters.normals,
+        emitters.areas,
+        emitters.both_sides,
+    )
+    triangles = len(corners)
     scratch = np.empty(len(emitters.power))
     for r in range(len(points)):
         x, y, z = points[r]
@@ -264,7 +271,12 @@ def _draw_rays(
         for s in range(len(numbers)):
             source, share = chosen(scratch, rotated(numbers[s, 0], shifts[0]))
             u, v = rotated(numbers[s, 1], shifts[1]), rotated(numbers[s, 2], shifts[2])
-            d, end, factor, _ = toward(emitters, source, x, y, z, u, v, offset)
+            if source < triangles:
+                d, end, factor, _ = toward_face(
+                    corners, faces, areas, both_sides, source, x, y, z, u, v, offset
+                )
+            else:
+                d, end, factor, _ = toward_lamp(emitters, source - triangles, x, y, z, u, v, offset)
             cos_theta = d[0] * nx + d[1] * ny + d[2] * nz
             if factor <= 0.0 or (on_surface[r] and cos_theta <= 0.0):
                 continue

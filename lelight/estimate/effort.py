@@ -45,11 +45,11 @@ MOST_DOUBLINGS, MOST_HALVINGS = 3, 1
 #: may have missed it in the trials and will not in the run.
 CAUTION = 0.5
 #: Bounds of the split that are tried, against that of 1024 chains, and receivers they are tried on.
-BOUNDS_ON_BASE = (0.1, 0.8, 6.4)
+BOUNDS_ON_BASE = (0.1, 0.4, 1.6, 6.4)
 BOUNDS_OF_EMITTERS = (0.8, 6.4)
 #: Likewise where lamps make spots on surfaces: chains start there, and paths of the near field miss them.
 BOUNDS_WITH_SPOTS = (6.4, 51.2)
-BOUND_RECEIVERS = 256
+BOUND_RECEIVERS = 512
 #: Least samples of the parts in a batch, and most, as powers of two.
 LEAST, MOST = (5, 2, 2), 16
 #: Seeds of trials are apart from those of batches.

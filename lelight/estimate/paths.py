@@ -21,13 +21,14 @@ from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.drawing import (
     chosen,
     drawn_density,
-    rough_cdf,
+    rough_cdfs,
     shines,
     source_housing,
     source_strength,
-    toward,
+    toward_face,
 )
 from lelight.tracing.emitters import Emitters
+from lelight.tracing.lamps import toward_lamp
 from lelight.tracing.reflection import Reflectances, lobe, lobe_density
 from lelight.tracing.sampling import (
     cosine_direction,
@@ -45,6 +46,8 @@ _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 #: Uniform numbers that one surface of a path uses: source, place (2), lobe, direction (2), roulette.
 NUMBERS = 7
 LONGEST_PATH = 10_000
+#: Paths for which the choice of sources is laid out at once; bounds memory, does not change results.
+PATHS_AT_ONCE = 256
 
 
 @dataclass(frozen=True)
@@ -231,25 +234,40 @@ def _draw_sources(
     ends: FloatArray,
     housing: IntArray,
 ) -> None:
-    cdf = np.empty(len(emitters.power))
+    corners, faces, areas, both_sides = (
+        emitters.corners,
+        emitters.normals,
+        emitters.areas,
+        emitters.both_sides,
+    )
+    triangles = len(corners)
+    cdfs = np.empty((min(PATHS_AT_ONCE, len(points)), len(emitters.power)))
     for k in range(len(points)):
+        row = k % PATHS_AT_ONCE
+        if row == 0:
+            last = min(k + PATHS_AT_ONCE, len(points))
+            rough_cdfs(emitters, points[k:last], normals[k:last], cdfs)
+        cdf = cdfs[row]
         m = materials[k]
         share_d, share_s = lobe_shares(reflectances, m, bound, geometry[k])
         p_diffuse = lobe_probability(reflectances, m, share_d, share_s)
-        if p_diffuse < 0.0:
+        if p_diffuse < 0.0 or not cdf[-1] > 0.0:
             continue
-        x, y, z = points[k]
-        nx, ny, nz = normals[k]
-        if not rough_cdf(emitters, x, y, z, nx, ny, nz, cdf):
-            continue
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
         source, share = chosen(cdf, numbers[k, 0])
-        d, end, factor, density = toward(emitters, source, x, y, z, numbers[k, 1], numbers[k, 2], offset)
+        u, v = numbers[k, 1], numbers[k, 2]
+        if source < triangles:
+            d, end, factor, density = toward_face(
+                corners, faces, areas, both_sides, source, x, y, z, u, v, offset
+            )
+        else:
+            d, end, factor, density = toward_lamp(emitters, source - triangles, x, y, z, u, v, offset)
         cos_theta = d[0] * nx + d[1] * ny + d[2] * nz
         if factor <= 0.0 or cos_theta <= 0.0:
             continue
         n = reflectances.exponent[m]
-        ox, oy, oz = outgoing[k]
-        ax, ay, az = mirrored(ox, oy, oz, nx, ny, nz)
+        ax, ay, az = mirrored(outgoing[k, 0], outgoing[k, 1], outgoing[k, 2], nx, ny, nz)
         cos_alpha = d[0] * ax + d[1] * ay + d[2] * az
         peak = lobe(n, cos_alpha)
         phong = peak * above(bound, math.pi * peak * geometry[k])
@@ -319,7 +337,7 @@ def _reflect_back(
         p_diffuse = lobe_probability(reflectances, m, share_d, share_s)
         if p_diffuse < 0.0:
             continue
-        nx, ny, nz = normals[k]
+        nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
         if numbers[k, 3] < p_diffuse:
             x, y, z = cosine_direction(numbers[k, 4], numbers[k, 5])
             dx, dy, dz = to_axis(x, y, z, nx, ny, nz)
@@ -379,7 +397,7 @@ def _weigh_met_emitters(
     number: IntArray,
     radiance: FloatArray,
 ) -> None:
-    cdf = np.empty(len(emitters.power))
+    cdf = np.empty((1, len(emitters.power)))
     for k in range(len(points)):
         source = emitters.of_triangle[triangles[k]]
         if density[k] <= 0.0 or source < 0:
@@ -387,10 +405,10 @@ def _weigh_met_emitters(
         d = (-back[k, 0], -back[k, 1], -back[k, 2])
         if not shines(emitters, source, d):
             continue
-        x, y, z = points[k]
+        rough_cdfs(emitters, points[k : k + 1], normals[k : k + 1], cdf)
         drawn = 0.0
-        if rough_cdf(emitters, x, y, z, normals[k, 0], normals[k, 1], normals[k, 2], cdf):
-            drawn = drawn_density(emitters, cdf, source, x, y, z, d)
+        if cdf[0, -1] > 0.0:
+            drawn = drawn_density(emitters, cdf[0], source, points[k, 0], points[k, 1], points[k, 2], d)
         weight = density[k] / (density[k] + drawn)
         for c in range(radiance.shape[1]):
             radiance[number[k], c] += weight * throughput[k, c] * emitters.luminance[source, c]

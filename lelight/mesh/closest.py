@@ -10,14 +10,18 @@ Vector = tuple[float, float, float]
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def closest(point: FloatArray, triangle: FloatArray) -> tuple[float, float, float]:
-    """Squared distance to a triangle and the weights of its corners b and c at the nearest point.
+def closest(x: float, y: float, z: float, corners: FloatArray, t: int) -> tuple[float, float, float]:
+    """Squared distance to triangle ``t`` of (m, 3, 3) and the weights of its corners b and c at the nearest point.
 
     Ericson, "Real-Time Collision Detection" (2005), 5.1.5: by Voronoi regions of corners, edges and face. His
     differences of dot products are taken as the triple products they stand for, which needles need.
     """
-    ap, bp, cp = _towards(point, triangle[0]), _towards(point, triangle[1]), _towards(point, triangle[2])
-    ab, ac = _towards(triangle[1], triangle[0]), _towards(triangle[2], triangle[0])
+    p = (x, y, z)
+    a = (corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2])
+    b = (corners[t, 1, 0], corners[t, 1, 1], corners[t, 1, 2])
+    c = (corners[t, 2, 0], corners[t, 2, 1], corners[t, 2, 2])
+    ap, bp, cp = _towards(p, a), _towards(p, b), _towards(p, c)
+    ab, ac = _towards(b, a), _towards(c, a)
     normal = _cross(ab, ac)
     d1, d2 = _dot(ab, ap), _dot(ac, ap)
     d3, d4 = _dot(ab, bp), _dot(ac, bp)
@@ -38,14 +42,16 @@ def closest(point: FloatArray, triangle: FloatArray) -> tuple[float, float, floa
         wb = 1.0 - wc
     else:
         wb, wc = vb / (va + vb + vc), vc / (va + vb + vc)
-    x = ap[0] - wb * ab[0] - wc * ac[0]
-    y = ap[1] - wb * ab[1] - wc * ac[1]
-    z = ap[2] - wb * ab[2] - wc * ac[2]
-    return x * x + y * y + z * z, wb, wc
+    rest = (
+        ap[0] - wb * ab[0] - wc * ac[0],
+        ap[1] - wb * ab[1] - wc * ac[1],
+        ap[2] - wb * ab[2] - wc * ac[2],
+    )
+    return _dot(rest, rest), wb, wc
 
 
 @njit(nogil=True, cache=True)
-def _towards(end: FloatArray, start: FloatArray) -> Vector:
+def _towards(end: Vector, start: Vector) -> Vector:
     """Vector from start to end."""
     return end[0] - start[0], end[1] - start[1], end[2] - start[2]
 

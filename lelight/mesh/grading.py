@@ -66,6 +66,9 @@ def _mark_long(corners: FloatArray, centres: FloatArray, least: FloatArray, long
             edge = corners[t, (k + 1) % 3] - corners[t, k]
             longest = max(longest, edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2])
         for s in range(len(centres)):
-            if longest > least[s] * least[s] and longest > closest(centres[s], corners[t])[0]:
+            if (
+                longest > least[s] * least[s]
+                and longest > closest(centres[s, 0], centres[s, 1], centres[s, 2], corners, t)[0]
+            ):
                 long[t] = True
                 break

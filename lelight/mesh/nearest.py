@@ -160,11 +160,13 @@ def _visit_cells(grids: Grids, groups: IntArray, cursor: IntArray, members: IntA
 @njit(nogil=True, cache=True, error_model="numpy")
 def _search(points: FloatArray, groups: IntArray, grids: Grids, found: IntArray, weights: FloatArray) -> None:
     """Search rings of cells around each point, nearest first, until the next ring is too far away."""
+    corners = grids.corners
     for k in range(len(points)):
         group = groups[k]
         if group < 0 or grids.shapes[group, 0] == 0:
             continue
         step, columns, rows = grids.steps[group], grids.shapes[group, 0], grids.shapes[group, 1]
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
         u = points[k, grids.axes[group, 0]] - grids.lows[group, 0]
         v = points[k, grids.axes[group, 1]] - grids.lows[group, 1]
         column, row = _cell(u, step, columns), _cell(v, step, rows)
@@ -178,7 +180,7 @@ def _search(points: FloatArray, groups: IntArray, grids: Grids, found: IntArray,
                     cell = grids.first_cells[group] + i * rows + j
                     for place in range(grids.starts[cell], grids.starts[cell + 1]):
                         triangle = grids.members[place]
-                        distance, wb, wc = closest(points[k], grids.corners[triangle])
+                        distance, wb, wc = closest(x, y, z, corners, triangle)
                         if distance < least:
                             least = distance
                             found[k] = triangle

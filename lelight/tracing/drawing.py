@@ -11,9 +11,9 @@ import math
 import numpy as np
 from numba import njit
 
-from lelight.scene import FloatArray
+from lelight.scene import BoolArray, FloatArray
 from lelight.tracing.emitters import Emitters
-from lelight.tracing.lamps import lamp_importance, toward_lamp, unshadowed_lamp
+from lelight.tracing.lamps import lamp_importance, unshadowed_lamp
 from lelight.tracing.sampling import Vector
 from lelight.tracing.triangles import (
     sample_triangle,
@@ -40,23 +40,33 @@ NEAR = 2.0
 
 @njit(**_COMPILED)
 def _rough_importance(
-    sketch: FloatArray, corners: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float
+    sketch: FloatArray,
+    corners: FloatArray,
+    s: int,
+    x: float,
+    y: float,
+    z: float,
+    nx: float,
+    ny: float,
+    nz: float,
 ) -> float:
-    """Illuminance in lx that a triangle's sketch (10,) stands for: exact when near, by its middle when not."""
-    dx, dy, dz = sketch[0] - x, sketch[1] - y, sketch[2] - z
+    """Illuminance in lx that the sketch of triangle ``s`` stands for: exact when near, by its middle when not."""
+    dx, dy, dz = sketch[s, 0] - x, sketch[s, 1] - y, sketch[s, 2] - z
     rise = dx * nx + dy * ny + dz * nz
-    if rise + sketch[6] <= 0.0:
+    radius = sketch[s, 6]
+    if rise + radius <= 0.0:
         return 0.0
     square = dx * dx + dy * dy + dz * dz
     distance = math.sqrt(square)
-    height = -(dx * sketch[3] + dy * sketch[4] + dz * sketch[5])
-    if _in_plane(height, sketch[6], x, y, z) or (height < 0.0 and sketch[9] <= 0.0):
+    height = -(dx * sketch[s, 3] + dy * sketch[s, 4] + dz * sketch[s, 5])
+    if _in_plane(height, radius, x, y, z) or (height < 0.0 and sketch[s, 9] <= 0.0):
         return 0.0
-    if distance < NEAR * sketch[6]:
+    if distance < NEAR * radius:
         # A middle knows nothing of the near parts; by it the weight of a draw would have no bound.
-        return float(sketch[8] / (math.pi * sketch[7]) * triangle_irradiance(corners, x, y, z, nx, ny, nz))
+        exact = triangle_irradiance(corners[s], x, y, z, nx, ny, nz)
+        return float(sketch[s, 8] / (math.pi * sketch[s, 7]) * exact)
     cos_there, cos_here = abs(height) / distance, max(rise / distance, LOW)
-    return float(sketch[8] * cos_there * cos_here / (square + sketch[7]))
+    return float(sketch[s, 8] * cos_there * cos_here / (square + sketch[s, 7]))
 
 
 @njit(**_COMPILED)
@@ -78,31 +88,29 @@ def _height(emitters: Emitters, source: int, x: float, y: float, z: float) -> fl
 
 
 @njit(**_COMPILED)
-def rough_cdf(
-    emitters: Emitters, x: float, y: float, z: float, nx: float, ny: float, nz: float, scratch: FloatArray
-) -> bool:
-    """Cumulative probabilities of the sources at a surface point, for paths, which draw once: cheap.
+def rough_cdfs(emitters: Emitters, points: FloatArray, normals: FloatArray, cdfs: FloatArray) -> None:
+    """Write cumulative probabilities (k, T + P) of the sources at surface points (k, 3), for paths: cheap.
 
-    Returns
-    -------
-    bool : False where no source can light this place
+    Paths draw once at a place. Rows end in 0 where no source can light a place. All places are done in one call:
+    handing the emitters on costs more than a place does.
     """
     sketch, corners = emitters.sketch, emitters.corners
-    if len(sketch) > LOCAL_CHOICE_LIMIT:
-        scratch[:] = emitters.power_cdf
-        return True
-    total = 0.0
-    for s in range(len(sketch)):
-        if s < len(corners):
-            total += _rough_importance(sketch[s], corners[s], x, y, z, nx, ny, nz)
-        else:
-            total += lamp_importance(emitters, s - len(corners), x, y, z, nx, ny, nz, True)
-        scratch[s] = total
-    if not total > 0.0:
-        return False
-    for s in range(len(sketch)):
-        scratch[s] /= total
-    return True
+    triangles, count = len(corners), len(sketch)
+    if count > LOCAL_CHOICE_LIMIT:
+        cdfs[:] = emitters.power_cdf
+        return
+    for k in range(len(points)):
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
+        total = 0.0
+        for s in range(triangles):
+            total += _rough_importance(sketch, corners, s, x, y, z, nx, ny, nz)
+            cdfs[k, s] = total
+        for s in range(triangles, count):
+            total += lamp_importance(emitters, s - triangles, x, y, z, nx, ny, nz, True)
+            cdfs[k, s] = total
+        for s in range(count if total > 0.0 else 0):
+            cdfs[k, s] /= total
 
 
 @njit(**_COMPILED)
@@ -202,10 +210,22 @@ def chosen(cdf: FloatArray, u: float) -> tuple[int, float]:
 
 
 @njit(**_COMPILED)
-def toward(
-    emitters: Emitters, source: int, x: float, y: float, z: float, u: float, v: float, offset: float
+def toward_face(
+    corners: FloatArray,
+    normals: FloatArray,
+    areas: FloatArray,
+    both_sides: BoolArray,
+    s: int,
+    x: float,
+    y: float,
+    z: float,
+    u: float,
+    v: float,
+    offset: float,
 ) -> tuple[Vector, Vector, float, float]:
-    """Draw a direction to a source.
+    """Draw a direction to triangle ``s``; `toward_lamp` does it for a point source.
+
+    It takes single arrays of `Emitters`, since handing on all of them costs more than the draw.
 
     Parameters
     ----------
@@ -219,28 +239,17 @@ def toward(
         triangle, 1/distance² for a point, I/distance² for a photometric one, 0 where it does not shine here
     density : float, 1/sr; 0 for a point
     """
-    triangles = len(emitters.areas)
-    if source >= triangles:
-        lamp: tuple[Vector, Vector, float, float] = toward_lamp(
-            emitters, source - triangles, x, y, z, u, v, offset
-        )
-        return lamp
-    direction, distance, density = sample_triangle(
-        emitters.corners[source], emitters.normals[source], emitters.areas[source], x, y, z, u, v
-    )
-    normal = emitters.normals[source]
-    away = direction[0] * normal[0] + direction[1] * normal[1] + direction[2] * normal[2]
+    d, distance, density = sample_triangle(corners[s], normals[s], areas[s], x, y, z, u, v)
+    nx, ny, nz = normals[s, 0], normals[s, 1], normals[s, 2]
+    away = d[0] * nx + d[1] * ny + d[2] * nz
     lift = -math.copysign(offset, away)
-    end = _at(x, y, z, direction, distance)
-    end = (end[0] + lift * normal[0], end[1] + lift * normal[1], end[2] + lift * normal[2])
-    if density <= 0.0 or not shines(emitters, source, direction):
-        return direction, end, 0.0, density
-    return direction, end, 1.0 / density, density
-
-
-@njit(**_COMPILED)
-def _at(x: float, y: float, z: float, direction: Vector, distance: float) -> Vector:
-    return x + distance * direction[0], y + distance * direction[1], z + distance * direction[2]
+    end = (
+        x + distance * d[0] + lift * nx,
+        y + distance * d[1] + lift * ny,
+        z + distance * d[2] + lift * nz,
+    )
+    shining = away < 0.0 or (both_sides[s] and away > 0.0)
+    return d, end, 1.0 / density if density > 0.0 and shining else 0.0, density
 
 
 @njit(**_COMPILED)
@@ -258,7 +267,7 @@ def shines(emitters: Emitters, source: int, direction: Vector) -> bool:
 def drawn_density(
     emitters: Emitters, cdf: FloatArray, source: int, x: float, y: float, z: float, direction: Vector
 ) -> float:
-    """Density in 1/sr with which `chosen` and `toward` draw a direction that meets triangle ``source``."""
+    """Density in 1/sr with which `chosen` and `toward_face` draw a direction that meets triangle ``source``."""
     share = cdf[source] - (cdf[source - 1] if source > 0 else 0.0)
     density = triangle_density(
         emitters.corners[source], emitters.normals[source], emitters.areas[source], x, y, z, direction

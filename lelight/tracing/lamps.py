@@ -108,7 +108,7 @@ def on_figure(emitters: Emitters, p: int, u: float, v: float) -> Vector:
 def toward_lamp(
     emitters: Emitters, p: int, x: float, y: float, z: float, u: float, v: float, offset: float
 ) -> tuple[Vector, Vector, float, float]:
-    """Draw a direction to point ``p``; returns what `drawing.toward` does."""
+    """Draw a direction to point ``p``; returns what `drawing.toward_face` does."""
     q = (emitters.positions[p, 0], emitters.positions[p, 1], emitters.positions[p, 2])
     if distance_to(q, x, y, z) < NEAR_SIZES * emitters.sizes[p]:
         q = on_figure(emitters, p, u, v)
