@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import photofiles
 import pytest
+from matplotlib.figure import Figure
 from photofiles import (
     CORPUS_IES,
     CORPUS_LDT,
@@ -23,6 +24,7 @@ from photofiles import (
 )
 
 from lelight.errors import InputError
+from lelight.photometry.diagram import paint_polar, polar_curves
 from lelight.photometry.findings import findings
 from lelight.photometry.photometry import Photometry
 from lelight.photometry.reading import read_photometry
@@ -399,6 +401,19 @@ def test_conversion_says_what_is_lost(tmp_path):
     assert any("lamp sets" in lost for lost in convert(read(tmp_path, CORPUS_LDT[3]), tmp_path / "b.ies"))
     with pytest.raises(InputError, match="allowed are"):
         convert(oval, tmp_path / "b.pdf")
+
+
+@pytest.mark.parametrize(("intensity", "above"), [(wallwasher, False), (uplight, True)])
+def test_polar_diagram_is_whole_with_nadir_below_and_c0_to_the_right(tmp_path, intensity, above):
+    axes = Figure(figsize=(5, 5)).add_subplot(projection="polar")
+    paint_polar(axes, polar_curves(read(tmp_path, ldt(intensity, symmetry=2))))
+    curve = axes.lines[0]
+    points = axes.transData.transform(np.column_stack([curve.get_xdata(), curve.get_ydata()]))
+    right, up = (points - axes.transData.transform((0.0, 0.0)))[np.argmax(curve.get_ydata())]
+    assert (up > 0) == above
+    # The wall washer of the tests leans towards C0: largest at sin γ = 0.461, in steps of 5° at 25°.
+    assert right == pytest.approx(0.0 if above else -up * math.tan(math.radians(25.0)), abs=1.0)
+    assert (axes.get_thetamin(), axes.get_thetamax()) == (0.0, 360.0)
 
 
 def test_mutated_files_read_or_fail_in_one_line(tmp_path):
