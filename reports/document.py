@@ -18,8 +18,11 @@ from typing import Any
 import typst
 
 from lelight.errors import OutputError
+from lelight.reports.texts import Texts, read_texts
 from lelight.writing.files import whole
 
+#: Endings of pictures that may be a logo.
+LOGOS = (".svg", ".png", ".jpg", ".jpeg")
 PAPERS = ("a3", "a4", "us-letter", "us-legal")
 #: What Typst says where PDF/A forbids a letter that no font can draw.
 NO_GLYPH = "could not be displayed"
@@ -33,7 +36,13 @@ class MissingGlyphWarning(UserWarning):
 
 
 def write_document(
-    path: Path, *, template: str, content: Mapping[str, Any], figures: Mapping[str, bytes], date: str | None
+    path: Path,
+    *,
+    template: str,
+    content: Mapping[str, Any],
+    figures: Mapping[str, bytes],
+    date: str | None,
+    texts: Texts | None = None,
 ) -> Path:
     """Set a report and write it, whole or not at all.
 
@@ -41,18 +50,46 @@ def write_document(
     ----------
     template : name of the file in ``templates``
     content : what the template prints; strings, lists and objects of strings, no numbers to format
-    figures : SVG by file name
+    figures : pictures by file name
     date : ISO date and time of the run, which becomes the date of the PDF
     """
     if content["paper"] not in PAPERS:
         raise ValueError(f"paper: {content['paper']!r} is none of {', '.join(PAPERS)}")
+    texts = texts or read_texts()
+    worded = {**content, "labels": texts.labels, "language": texts.language}
     with tempfile.TemporaryDirectory(prefix="lelight-report-") as folder:
         root = Path(folder)
-        _lay_out(root, content, figures)
+        _lay_out(root, worded, figures)
         pdf = _set(root / template, path, timestamp=timestamp_of(date))
     with whole(path) as beside:
         beside.write_bytes(pdf)
     return path
+
+
+def read_logo(path: Path) -> dict[str, bytes]:
+    """Picture for the cover under the name that templates know it by.
+
+    Raises
+    ------
+    OutputError
+        where it is missing or no picture that can be set
+    """
+    if path.suffix.lower() not in LOGOS:
+        raise OutputError(f'{path}: found the ending "{path.suffix}"; a logo is one of {", ".join(LOGOS)}')
+    try:
+        picture = path.read_bytes()
+    except OSError as error:
+        raise OutputError(f"{path}: {error.strerror}; give a logo that is there") from error
+    name = f"logo{path.suffix.lower()}"
+    with tempfile.TemporaryDirectory(prefix="lelight-logo-") as folder:
+        (Path(folder) / name).write_bytes(picture)
+        (Path(folder) / "main.typ").write_text(f'#image("{name}")', encoding="utf-8")
+        try:
+            _compile(Path(folder) / "main.typ", system_fonts=False, archive=False, timestamp=0)
+        except typst.TypstError as error:
+            told = " ".join(error.message.split())
+            raise OutputError(f"{path}: is no picture that can be set: {told}") from error
+    return {name: picture}
 
 
 def timestamp_of(date: str | None) -> int:
