@@ -23,6 +23,8 @@ STEPS_IN_DECADE = (1.0, 1.5, 2.0, 3.0, 5.0, 7.5)
 #: Shares of all pixels in view below and above which the scale of luminance does not reach, and the decades that
 #: it spans at most: small bright lamps would else leave the room one colour.
 DARKEST, BRIGHTEST, MOST_DECADES = 0.001, 0.99, 4
+#: What exceeds the last step by this factor at most is not worth another step.
+CLOSE = 1.05
 #: Millimetres from one number of a legend to the next at least.
 ROOM_OF_TICK = 3.4
 
@@ -61,8 +63,8 @@ def luminance_scale(pictures: Sequence[FloatArray]) -> LogScale:
         return LogScale(1.0, 10.0, (1.0, 3.0, 10.0))
     largest = float(np.quantile(lit, BRIGHTEST))
     smallest = max(float(np.quantile(lit, DARKEST)), largest * 10.0**-MOST_DECADES)
-    steps = _steps_around(smallest, largest, (1.0, 3.0))
-    below, above = bool(lit.min() < steps[0]), bool(lit.max() > steps[-1])
+    steps = _steps_around(smallest, max(largest / CLOSE, 1.001 * smallest), (1.0, 3.0))
+    below, above = bool(lit.min() < steps[0]), bool(lit.max() > CLOSE * steps[-1])
     return LogScale(steps[0], steps[-1], steps, below, above)
 
 
