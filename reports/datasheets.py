@@ -38,6 +38,7 @@ def _sheet(number: int, sheet: Mapping[str, Any], texts: Texts) -> dict[str, Any
     return {
         "name": str(sheet.get("name") or sheet.get("path") or MISSING),
         "path": str(sheet.get("path") or ""),
+        "sha256": str(sheet.get("sha256") or MISSING),
         "facts": [[label, value] for label, value in _facts(sheet, texts) if value],
         "polar": _figure_name(number) if sheet.get("polar") else "",
         "luminance": _luminances(sheet.get("luminance") or {}, str(sheet.get("symmetry"))),

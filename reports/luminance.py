@@ -30,7 +30,7 @@ from lelight.reports.vocabulary import mark
 
 PLAN, ISOMETRIC = "plan.svg", "isometric.svg"
 #: Millimetres that the plan, the view of the scene, and charts of planes beside and below each other may take.
-WIDTH, PLAN_HEIGHT, ISOMETRIC_HEIGHT = 166.0, 92.0, 88.0
+WIDTH, PLAN_HEIGHT, ISOMETRIC_HEIGHT = 166.0, 84.0, 78.0
 HALF_WIDTH, CHART_HEIGHT = 82.0, 60.0
 #: Share of its size below each other that a chart has beside another one at least.
 SHRINKING = 0.9
