@@ -155,14 +155,9 @@ def _summary_row(index: int, observer: Subject, texts: Texts) -> dict[str, Any]:
     row = rating.row() if rating else {}
     return {
         "place": observer_place(index, observer),
-        **{key: _number(reading) for key, reading in readings.items()},
+        **{key: reading.number if reading else (MISSING, "") for key, reading in readings.items()},
         "dgp_class": _dgp_class(readings["dgp"], texts),
         "requirement": row.get("requirement", ""),
         "verdict": row.get("verdict", ""),
         "verdict_text": row.get("verdict_text", ""),
     }
-
-
-def _number(reading: Reading | None) -> str:
-    """Value and error without the unit, which stands in the head."""
-    return " ".join(part for part in reading.number if part) if reading else MISSING

@@ -41,12 +41,25 @@ class LitMesh:
 
     @property
     def lit(self) -> BoolArray:
-        """(m,) bool: triangles that touch no hidden node."""
-        return np.asarray(~self.hidden[self.triangles].any(axis=1))
+        """(m,) bool: triangles with a corner that is not hidden."""
+        return np.asarray(~self.hidden[self.triangles].all(axis=1))
+
+    @property
+    def shown(self) -> FloatArray:
+        """(n,) illuminance in lx; a hidden node takes the mean of its visible neighbours, whose triangles are shown."""
+        corners = self.triangles[self.lit]
+        seen = ~self.hidden[corners]
+        values = np.where(seen, self.illuminance[corners], 0.0)
+        total, count = np.zeros(len(self.points)), np.zeros(len(self.points))
+        for corner in range(3):
+            np.add.at(total, corners[:, corner], values.sum(axis=1))
+            np.add.at(count, corners[:, corner], seen.sum(axis=1))
+        around = np.divide(total, count, out=np.zeros_like(total), where=count > 0)
+        return np.asarray(np.where(self.hidden, around, self.illuminance))
 
     @property
     def upward(self) -> IntArray:
-        """(k, 3) triangles seen from above, the lowest first, without those that touch a hidden node."""
+        """(k, 3) triangles seen from above, the lowest first, without those that are all hidden."""
         facing = (self.normals[self.triangles, 2] > UPWARD).all(axis=1)
         shown = self.triangles[facing & self.lit]
         return np.asarray(shown[np.argsort(self.points[shown, 2].mean(axis=1), kind="stable")])

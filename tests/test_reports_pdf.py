@@ -184,7 +184,7 @@ def test_the_glare_report_says_what_it_is_not(pdfs):
     assert "not the tabular UGR" in text
     assert not re.search("compl(y|ies|iant|iance)", text, re.IGNORECASE)
     assert "not counted: outside the field" in text
-    assert re.search(r"A +desk 1 +<10 +– +18\.2 +0\.193 +19\.1 ± 0\.4 +≤ 19 +✓ pass", text)
+    assert re.search(r"A +desk 1 +<10 +– +18\.2 +0\.193 +19\.1 +≤ 19 +✓ pass", text)
 
 
 @needs_poppler
@@ -243,7 +243,7 @@ def test_letters_without_a_glyph_cost_the_archive_format_only(write, tmp_path):
         warnings.simplefilter("always")
         pdf = write(folder)
     assert {warning.category for warning in caught} <= {MissingGlyphWarning}
-    assert "21.00 ± 0.12" in re.sub(" +", " ", text_of(pdf))
+    assert re.search(r"21\.00 +± 0\.12", text_of(pdf))
 
 
 @needs_poppler

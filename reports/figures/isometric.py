@@ -50,7 +50,7 @@ def _painted(mesh: LitMesh, scale: LogScale) -> tuple[list[FloatArray], FloatArr
     facing = mesh.normals[mesh.triangles].mean(axis=1) @ TO_CAMERA > 0.02
     triangles = mesh.triangles[facing & mesh.lit]
     corners = mesh.points[triangles]
-    shades = colormaps[ILLUMINANCE_COLOURS](scale.norm(mesh.illuminance[triangles].mean(axis=1)))
+    shades = colormaps[ILLUMINANCE_COLOURS](scale.norm(mesh.shown[triangles].mean(axis=1)))
     lines = mesh.outline_of(triangles)
     ink = np.tile(colormaps["gray"](0.15), (len(lines), 1))
     depth = np.concatenate([corners.mean(axis=1) @ TO_CAMERA, lines.mean(axis=1) @ TO_CAMERA])

@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Wedge
 
-from lelight.reports.figures.drawing import ACCENT, FAINT, INK, LAMP, axes_in, drawing
+from lelight.reports.figures.drawing import ACCENT, FAINT, INK, LAMP, SHINING, axes_in, drawing
 from lelight.reports.figures.scales import ILLUMINANCE_COLOURS, LogScale, legend
 from lelight.reports.nodemesh import LitMesh
 from lelight.reports.texts import Texts
@@ -124,12 +124,9 @@ def scene_plan(
             height=min(sheet.drawn[1], 70.0),
         )
         legend(bar, scale, colours=ILLUMINANCE_COLOURS, title="lx")
-        axes.add_collection(
-            LineCollection(list(shining[:, :, :2]), colors="black", linewidths=2.0), autolim=False
-        )
-        axes.add_collection(
-            LineCollection(list(shining[:, :, :2]), colors=LAMP, linewidths=1.2), autolim=False
-        )
+        for colour, width in (("white", 2.6), (SHINING, 1.3)):
+            outlines = LineCollection(list(shining[:, :, :2]), colors=colour, linewidths=width)
+            axes.add_collection(outlines, autolim=False)
         for lamp in lamps:
             _paint_lamp(axes, lamp, ARROW * float(sheet.half.max()), named=len(lamps) <= MOST_NAMED)
         for rectangle in rectangles:
@@ -162,7 +159,7 @@ def _paint_surfaces(axes: Axes, mesh: LitMesh, scale: LogScale) -> None:
     if len(triangles):
         axes.tripcolor(
             *mesh.points[:, :2].T,
-            np.clip(mesh.illuminance, scale.smallest, scale.largest),
+            np.clip(mesh.shown, scale.smallest, scale.largest),
             triangles=triangles,
             shading="gouraud",
             cmap=ILLUMINANCE_COLOURS,
