@@ -13,6 +13,7 @@ from lelight.calculation import Calculation, Standing
 from lelight.estimate.variants import VARIANTS
 from lelight.luminaires import Luminaire
 from lelight.photometry.zones import luminous_flux
+from lelight.pipelines.datasheets import data_sheets
 from lelight.plan import LARGEST_STORED_EXPONENT
 from lelight.reading.lint import material_table
 from lelight.scene import PointLuminaire
@@ -61,6 +62,7 @@ def run_record(
         "up": run.scene.up,
         "materials": _materials(run),
         "luminaires": [_luminaire(lamp) for lamp in run.scene.luminaires],
+        "data_sheets": data_sheets(run.scene.luminaires),
         "files": run.scene.files,
         "versions": versions(),
     }
@@ -133,6 +135,7 @@ def _luminaire(lamp: Luminaire) -> dict[str, Any]:
         "aim": lamp.aim.tolist(),
         "c0": lamp.axes[0].tolist(),
         "housing": lamp.housing or None,
+        "opening": photometry.opening.shape,
         "opening_m": [photometry.opening.along_c0, photometry.opening.along_c90, photometry.opening.height],
     }
 

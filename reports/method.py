@@ -9,36 +9,27 @@ import numpy as np
 
 from lelight.reports.figures.convergence import convergence_curve
 from lelight.reports.folder import ResultFolder
-from lelight.reports.rounding import MISSING, as_given, count, percent, significant, with_unit
-from lelight.reports.vocabulary import SETTINGS, STAGES, words
+from lelight.reports.rounding import MISSING, as_given, count, percent, with_unit
+from lelight.reports.texts import Texts
+from lelight.reports.vocabulary import words
 
 CONVERGENCE = "convergence.svg"
-COUNTS = (
-    ("nodes", "Nodes"),
-    ("chains", "Chains"),
-    ("replicates", "Independent replicates"),
-    ("doublings", "Doublings of their sequences"),
-    ("rays", "Rays"),
-)
-#: Levels of the error statement in ``run.json``.
-ERRORS = (
-    ("rms", "Relative standard error, root mean square over the nodes by area"),
-    ("p95", "Not exceeded on 95 % of the area"),
-    ("p99", "Not exceeded on 99 % of the area"),
-    ("target", "Target of the root mean square"),
-)
+#: What ``run.json`` counts, and its levels of the error statement.
+COUNTS = ("nodes", "chains", "replicates", "doublings", "rays")
+ERRORS = ("rms", "p95", "p99", "target")
 
 
 def method_page(folder: ResultFolder) -> dict[str, Any]:
     """Everything on the method page, as text."""
-    run = folder.run
+    run, texts = folder.run, folder.texts
+    settings = _mapping(run, "settings")
     return {
-        "plan": [_decision(decision) for decision in _items(run, "plan")],
-        "settings": [_setting(key, setting) for key, setting in _mapping(run, "settings").items()],
-        "effort": _effort(run),
-        "seconds": _seconds(_mapping(run, "seconds")),
-        "error": _error(_mapping(run, "error")),
-        "met": _met(_mapping(run, "error")),
+        "plan": [_decision(decision, texts) for decision in _items(run, "plan")],
+        "settings": [_setting(key, setting, texts) for key, setting in settings.items()],
+        "effort": _effort(run, texts),
+        "seconds": _seconds(_mapping(run, "seconds"), texts),
+        "error": _error(_mapping(run, "error"), texts),
+        "met": _met(_mapping(run, "error"), texts),
         "bias": [str(statement) for statement in _items(run, "bias")],
         "warnings": [str(warning) for warning in _items(run, "warnings")],
         "versions": [(name, str(version)) for name, version in sorted(_mapping(run, "versions").items())],
@@ -53,9 +44,8 @@ def method_figures(folder: ResultFolder) -> dict[str, bytes]:
     if not points:
         return {}
     seconds, errors = np.array(points).T
-    return {
-        CONVERGENCE: convergence_curve(seconds, errors, target=_mapping(folder.run, "error").get("target"))
-    }
+    target = _mapping(folder.run, "error").get("target")
+    return {CONVERGENCE: convergence_curve(seconds, errors, target=target, texts=folder.texts)}
 
 
 def _convergence_points(run: Mapping[str, Any]) -> list[tuple[float, float]]:
@@ -65,61 +55,59 @@ def _convergence_points(run: Mapping[str, Any]) -> list[tuple[float, float]]:
     return points if len(points) > 1 else []
 
 
-def _decision(decision: Mapping[str, Any]) -> dict[str, str]:
+def _decision(decision: Mapping[str, Any], texts: Texts) -> dict[str, str]:
     return {
         "decision": words(str(decision.get("decision", MISSING))),
-        "value": _plain(decision.get("value")),
+        "value": _plain(decision.get("value"), texts),
         "reason": str(decision.get("reason", "")),
     }
 
 
-def _effort(run: Mapping[str, Any]) -> list[tuple[str, str]]:
-    counted = [
-        (label, count(int(run[key]))) for key, label in COUNTS if isinstance(run.get(key), int | float)
-    ]
-    return [*counted, ("Seed", str(run.get("seed", MISSING)))]
+def _effort(run: Mapping[str, Any], texts: Texts) -> list[tuple[str, str]]:
+    counted = [(texts[key], count(int(run[key]))) for key in COUNTS if isinstance(run.get(key), int | float)]
+    return [*counted, (texts["seed"], str(run.get("seed", MISSING)))]
 
 
-def _seconds(seconds: Mapping[str, Any]) -> list[tuple[str, str]]:
-    stages = [stage for stage in [*STAGES, *seconds] if stage in seconds]
+def _seconds(seconds: Mapping[str, Any], texts: Texts) -> list[tuple[str, str]]:
+    stages = [stage for stage in [*texts.stages, *seconds] if stage in seconds]
     return [
-        (STAGES.get(stage, words(stage)), with_unit(significant(float(seconds[stage])), "s"))
+        (texts.stages.get(stage, words(stage)), with_unit(as_given(float(f"{seconds[stage]:.3g}")), "s"))
         for stage in dict.fromkeys(stages)
     ]
 
 
-def _error(error: Mapping[str, Any]) -> list[tuple[str, str]]:
-    return [(label, percent(error[key])) for key, label in ERRORS if isinstance(error.get(key), int | float)]
+def _error(error: Mapping[str, Any], texts: Texts) -> list[tuple[str, str]]:
+    return [
+        (texts[f"error_{key}"], percent(error[key]))
+        for key in ERRORS
+        if isinstance(error.get(key), int | float)
+    ]
 
 
-def _met(error: Mapping[str, Any]) -> str:
+def _met(error: Mapping[str, Any], texts: Texts) -> str:
     if "met" not in error:
         return ""
-    return (
-        "The error target was met."
-        if error["met"]
-        else "The error target was NOT met: see the error reached."
-    )
+    return texts["target_met"] if error["met"] else texts["target_missed"]
 
 
-def _setting(key: str, setting: Any) -> tuple[str, str]:
+def _setting(key: str, setting: Any, texts: Texts) -> tuple[str, str]:
     """Name and value of a setting, with its unit where it is a number that has one."""
-    name, unit = SETTINGS.get(key, (words(key), ""))
+    name, unit = texts.settings.get(key, (words(key), ""))
     if isinstance(setting, bool) or not isinstance(setting, int | float):
-        return name, _plain(setting)
+        return name, _plain(setting, texts)
     return name, with_unit(as_given(100.0 * setting if unit == "%" else setting), unit)
 
 
-def _plain(setting: Any) -> str:
+def _plain(setting: Any, texts: Texts) -> str:
     """Write a setting in words: yes and no, lists with commas, no braces."""
     if isinstance(setting, bool):
-        return "yes" if setting else "no"
+        return texts["yes" if setting else "no"]
     if setting is None:
-        return "not set"
+        return texts["not_set"]
     if isinstance(setting, Mapping):
-        return "; ".join(f"{key}: {_plain(part)}" for key, part in setting.items())
+        return "; ".join(f"{key}: {_plain(part, texts)}" for key, part in setting.items())
     if isinstance(setting, list):
-        return ", ".join(_plain(part) for part in setting)
+        return ", ".join(_plain(part, texts) for part in setting)
     return str(setting)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -82,4 +83,10 @@ def read_picture(path: Path) -> LuminancePicture:
         raise OutputError(f"{path}: {columns} x {rows} pixels, a fisheye is square; {RENDER} anew")
     if not np.all(np.isfinite(luminance)) or np.any(luminance < 0):
         raise OutputError(f"{path}: holds a luminance that is negative or not a number; {RENDER} anew")
-    return LuminancePicture(luminance, _FISHEYE.solid_angles(columns, rows))
+    return LuminancePicture(luminance, _solid_angles(rows))
+
+
+@cache
+def _solid_angles(pixels: int) -> FloatArray:
+    """Solid angles (n, n) in sr of a square picture's pixels: one array for all pictures of a size."""
+    return _FISHEYE.solid_angles(pixels, pixels)

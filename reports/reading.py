@@ -7,11 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lelight.reports.rounding import MISSING, NO_BREAK_SPACE, as_given, rounded, with_unit
-from lelight.reports.vocabulary import VERDICTS, Term, print_order, term_of
+from lelight.reports.rounding import COVERAGE_FACTOR, MISSING, NO_BREAK_SPACE, as_given, rounded_to, with_unit
+from lelight.reports.texts import Texts
+from lelight.reports.vocabulary import Term
 
 #: CIE 117 is not meant for ratings below this; they are printed as "<10".
 SMALLEST_UGR = 10.0
+#: An interval below this share of its value is what is left of rounding.
+NEGLIGIBLE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -20,26 +23,23 @@ class Reading:
 
     Attributes
     ----------
-    value, standard_error, target : float in ``unit``, or None where there is none
+    value, half_width, target : float in ``unit``, or None where there is none; half of the 95 % interval
     verdict : ``pass``, ``fail``, ``undecided`` or None
     clause : document and clause that the target comes from
     note : why there is no value, or what must be known besides
     """
 
     key: str
+    term: Term
     value: float | None
     unit: str
-    standard_error: float | None = None
+    half_width: float | None = None
     method: str = ""
     verdict: str | None = None
+    verdict_text: str = ""
     target: float | None = None
     clause: str = ""
     note: str = ""
-
-    @property
-    def term(self) -> Term:
-        """Name, symbol and sense of the quantity."""
-        return term_of(self.key)
 
     @property
     def number(self) -> tuple[str, str]:
@@ -48,7 +48,7 @@ class Reading:
             return MISSING, ""
         if self.key.startswith("ugr") and self.value < SMALLEST_UGR:
             return "<10", ""
-        value, half_width = rounded(self.value, self.standard_error)
+        value, half_width = rounded_to(self.value, self.half_width)
         return value, f"±{NO_BREAK_SPACE}{half_width}" if half_width else ""
 
     @property
@@ -77,15 +77,16 @@ class Reading:
             "requirement": self.requirement,
             "clause": self.clause,
             "note": self.note,
+            "found": "" if self.value is None else "yes",
             "verdict": self.verdict or "",
-            "verdict_text": VERDICTS.get(self.verdict or "", ""),
+            "verdict_text": self.verdict_text,
         }
 
 
-def readings_of(entry: Mapping[str, Any]) -> tuple[Reading, ...]:
+def readings_of(entry: Mapping[str, Any], texts: Texts) -> tuple[Reading, ...]:
     """Pick the figures out of a subject's entry, in printing order."""
     keys = [key for key, figure in entry.items() if isinstance(figure, dict) and "value" in figure]
-    return tuple(_reading(key, entry[key]) for key in sorted(keys, key=print_order))
+    return tuple(_reading(key, entry[key], texts) for key in sorted(keys, key=texts.rank))
 
 
 def reading_named(readings: tuple[Reading, ...], key: str) -> Reading | None:
@@ -93,18 +94,33 @@ def reading_named(readings: tuple[Reading, ...], key: str) -> Reading | None:
     return next((reading for reading in readings if reading.key == key), None)
 
 
-def _reading(key: str, figure: Mapping[str, Any]) -> Reading:
+def _reading(key: str, figure: Mapping[str, Any], texts: Texts) -> Reading:
+    verdict = figure.get("verdict")
     return Reading(
         key=key,
+        term=texts.term(key),
         value=_number(figure.get("value")),
         unit=_unit(figure.get("unit")),
-        standard_error=_number(figure.get("std_error")),
+        half_width=_half_width(figure),
         method=str(figure.get("method") or ""),
-        verdict=figure.get("verdict"),
+        verdict=verdict,
+        verdict_text=texts.verdicts.get(str(verdict), ""),
         target=_number(figure.get("target")),
         clause=str(figure.get("clause") or ""),
         note=str(figure.get("note") or ""),
     )
+
+
+def _half_width(figure: Mapping[str, Any]) -> float | None:
+    """Half of the interval; of an older file without one, two standard errors."""
+    interval = figure.get("interval")
+    if isinstance(interval, list) and len(interval) == 2:
+        low, high = map(_number, interval)
+        if low is not None and high is not None:
+            half_width = (high - low) / 2.0
+            return 0.0 if half_width <= NEGLIGIBLE * abs(high) else half_width
+    std_error = _number(figure.get("std_error"))
+    return None if std_error is None else COVERAGE_FACTOR * std_error
 
 
 def _number(found: object) -> float | None:

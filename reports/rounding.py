@@ -39,9 +39,13 @@ def rounded(value: float, standard_error: float | None) -> tuple[str, str]:
     >>> rounded(512.3456, 6.8)
     ('512', '14')
     """
-    if not standard_error:
-        return significant(value), "" if standard_error is None else "0"
-    half_width = COVERAGE_FACTOR * standard_error
+    return rounded_to(value, None if standard_error is None else COVERAGE_FACTOR * standard_error)
+
+
+def rounded_to(value: float, half_width: float | None) -> tuple[str, str]:
+    """Write a value and the half width of its interval to the same decimal; without one the second text is empty."""
+    if not half_width:
+        return significant(value), "" if half_width is None else "0"
     decimals = min(_decimals_of_error(half_width), _most_decimals(value))
     return fixed(value, decimals), fixed(max(half_width, 10.0**-decimals), decimals)
 

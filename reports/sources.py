@@ -13,6 +13,7 @@ from lelight.camera import Fisheye, view_axes
 from lelight.reports.figures.fisheye import Outline, cone_border
 from lelight.reports.folder import Subject
 from lelight.reports.rounding import MISSING, percent, significant
+from lelight.reports.texts import Texts
 from lelight.reports.viewpoints import direction_of
 from lelight.scene import FloatArray
 
@@ -49,9 +50,15 @@ class Source:
         return self.luminance**2 * self.solid_angle / self.position_index**2
 
     @property
+    def in_view(self) -> bool:
+        """True before the eye, with some size, counted or not."""
+        ahead = self.direction is None or self.direction[2] > 0
+        return ahead and self.solid_angle > 0
+
+    @property
     def outline(self) -> Outline | None:
         """Cone of the same solid angle on the picture; None behind the eye or without size."""
-        if self.direction is None or self.solid_angle <= 0 or self.direction[2] <= 0:
+        if self.direction is None or not self.in_view:
             return None
         right, up, forward = self.direction
         border = cone_border(right, up, forward, self.solid_angle)
@@ -66,13 +73,14 @@ def sources_of(observer: Subject) -> list[Source]:
     return [replace(source, number=number) for number, source in enumerate(ranked, start=1)]
 
 
-def source_rows(sources: Sequence[Source]) -> list[dict[str, str]]:
+def source_rows(sources: Sequence[Source], texts: Texts) -> list[dict[str, str]]:
     """Rows of the table of sources; shares are of the sum of L² ω / p²."""
     total = math.fsum(source.glare for source in sources)
-    return [_row(source, total) for source in sources]
+    return [_row(source, total, texts) for source in sources]
 
 
-def _row(source: Source, total: float) -> dict[str, str]:
+def _row(source: Source, total: float, texts: Texts) -> dict[str, str]:
+    excluded = [texts.filled("not_counted", reason=source.excluded)] if source.excluded else []
     return {
         "number": str(source.number),
         "name": source.name,
@@ -83,7 +91,7 @@ def _row(source: Source, total: float) -> dict[str, str]:
         "position_index": _ratio(source.position_index),
         "visible": MISSING if source.visible_fraction is None else percent(source.visible_fraction),
         "share": percent(source.glare / total) if source.glare else MISSING,
-        "remark": "; ".join([f"not counted: {source.excluded}"] * bool(source.excluded) + list(source.flags)),
+        "remark": "; ".join([*excluded, *source.flags]),
     }
 
 

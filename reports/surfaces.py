@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lelight.reports.rounding import MISSING, as_given, significant, vector
+from lelight.reports.texts import Texts
 
 
 def material_rows(run: Mapping[str, Any]) -> list[dict[str, str]]:
@@ -13,11 +15,20 @@ def material_rows(run: Mapping[str, Any]) -> list[dict[str, str]]:
     return [_material_row(material) for material in run.get("materials") or []]
 
 
-def luminaire_rows(run: Mapping[str, Any]) -> list[dict[str, str]]:
-    """Rows of the luminaire table: name, position in m, intensity in cd."""
-    return [
-        _luminaire_row(luminaire) for luminaire in run.get("luminaires") or [] if isinstance(luminaire, dict)
-    ]
+def luminaire_table(run: Mapping[str, Any], texts: Texts) -> dict[str, Any]:
+    """Rows of the luminaires, their flux and power together, and the files with their hashes."""
+    luminaires = [entry for entry in run.get("luminaires") or [] if isinstance(entry, dict)]
+    rows = [_luminaire_row(f"L{number}", entry) for number, entry in enumerate(luminaires, start=1)]
+    files = {(row["photometry"], row["hash"]): None for row in rows if row["hash"]}
+    flux = math.fsum(float(entry.get("flux_lm") or 0.0) for entry in luminaires)
+    power = math.fsum(float(entry.get("power_w") or 0.0) for entry in luminaires)
+    return {
+        "rows": rows,
+        "flux": significant(flux, 4) if flux else "",
+        "power": significant(power, 4) if power else "",
+        "total": texts["total"],
+        "files": [list(file) for file in files],
+    }
 
 
 def _material_row(material: Mapping[str, Any]) -> dict[str, str]:
@@ -35,16 +46,24 @@ def _material_row(material: Mapping[str, Any]) -> dict[str, str]:
     }
 
 
-def _luminaire_row(luminaire: Mapping[str, Any]) -> dict[str, str]:
-    position = luminaire.get("position")
+def _luminaire_row(mark: str, luminaire: Mapping[str, Any]) -> dict[str, Any]:
+    position, aim, c0 = (luminaire.get(key) for key in ("position", "aim", "c0"))
+    directions = [vector(each) for each in (aim, c0) if each]
     return {
+        "mark": mark,
         "name": str(luminaire.get("name", MISSING)),
         "position": vector(position) if position else MISSING,
+        "directions": directions if len(directions) == 2 else [],
         "intensity": _colour(luminaire.get("intensity_cd", luminaire.get("intensity"))),
-        "flux": MISSING if luminaire.get("flux_lm") is None else significant(float(luminaire["flux_lm"])),
+        "flux": _number(luminaire.get("flux_lm")),
+        "power": _number(luminaire.get("power_w")),
         "photometry": str(luminaire.get("photometry") or MISSING),
         "hash": str(luminaire.get("sha256") or ""),
     }
+
+
+def _number(found: Any) -> str:
+    return significant(float(found), 4) if isinstance(found, int | float) else MISSING
 
 
 def _colour(found: Any) -> str:

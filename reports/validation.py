@@ -53,7 +53,8 @@ def _cover(record: Mapping[str, Any]) -> dict[str, Any]:
         ("Calculated", printed_date(record["date"])),
         ("Program", f"lelight {record['lelight']}"),
     ]
-    return {"title": "Cases with known answers", "author": "", "facts": facts}
+    program = f"lelight {record['lelight']}"
+    return {"title": "Cases with known answers", "author": "", "facts": facts, "program": program}
 
 
 def _verdict_sentence(cases: Sequence[Mapping[str, Any]]) -> str:

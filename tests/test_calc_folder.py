@@ -22,6 +22,7 @@ from commandline import NASTY, QUICK, lelight
 
 from lelight.calculation import calculate
 from lelight.reading.loading import load
+from lelight.reports.texts import read_texts
 from lelight.settings import PRESETS, Settings
 
 #: The observer's name, fit to be a file's.
@@ -380,6 +381,18 @@ def test_reports_are_written_beside_the_results(copy, kind):
     assert (told.status, told.stderr) == (0, "")
     assert told.stdout == f"{copy / kind}.pdf\n"
     assert (copy / f"{kind}.pdf").read_bytes().startswith(b"%PDF-")
+
+
+def test_every_figure_has_a_name_in_print(metrics):
+    entries = [*metrics["planes"].values(), *metrics["observers"].values(), metrics["room"]]
+    keys = {
+        key
+        for entry in entries
+        for key, figure in entry.items()
+        if isinstance(figure, dict) and "value" in figure
+    }
+    assert len(keys) > 50
+    assert keys - set(read_texts().terms) == set()
 
 
 @pytest.fixture

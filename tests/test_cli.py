@@ -119,6 +119,7 @@ def test_version_is_that_of_the_package():
         (("render", "out", "--view", "1,2,nan:0,0,1"), "not finite"),
         (("render", "out", "--view", "1,2:0,0,1"), "X,Y,Z:DX,DY,DZ"),
         (("report", "colour", "out"), "'luminance', 'glare'"),
+        (("report", "glare", "out", "--language", "xx"), "allowed: en"),
     ],
 )
 def test_misuse_ends_with_2_and_says_what_is_allowed(arguments, told):

@@ -94,7 +94,7 @@ def test_data_of_the_packages_is_declared(project):
         for pattern in patterns
         for path in (ROOT / home_of(package, tools["package-dir"])).glob(pattern)
     }
-    templates = set((ROOT / "reports" / "templates").iterdir())
+    templates = {path for folder in ("templates", "texts") for path in (ROOT / "reports" / folder).iterdir()}
     assert templates
     assert declared == {*(ROOT / path for path in OWN_DATA), *templates}
 
@@ -111,7 +111,7 @@ def test_wheel_holds_the_package_and_nothing_else(project, tmp_path):
     (wheel,) = tmp_path.glob("*.whl")
     names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
     modules = {path.relative_to(ROOT) for folder in python_folders() for path in (ROOT / folder).glob("*.py")}
-    data = {*OWN_DATA, *(path.relative_to(ROOT) for path in ROOT.glob("reports/templates/*"))}
+    data = {*OWN_DATA, *(path.relative_to(ROOT) for path in ROOT.glob("reports/te*/*.t*"))}
     expected = {path if path.parts[0] == "lelight" else Path("lelight", path) for path in modules | data}
     assert names == {path.as_posix() for path in expected}
 

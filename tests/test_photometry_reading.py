@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import photofiles
 import pytest
+from matplotlib.figure import Figure
 from photofiles import (
     CORPUS_IES,
     CORPUS_LDT,
@@ -23,6 +24,7 @@ from photofiles import (
 )
 
 from lelight.errors import InputError
+from lelight.photometry.diagram import paint_polar, polar_curves
 from lelight.photometry.findings import findings
 from lelight.photometry.photometry import Photometry
 from lelight.photometry.reading import read_photometry
@@ -146,6 +148,9 @@ def test_sizes_lie_across_each_other_in_the_two_formats(tmp_path):
         ((1.2, -0.1, -0.1), "tube_c90", 0.12, math.pi * 0.0025),
         ((0.0, 0.6, 0.3), "rectangle", 0.0, 0.18),
         ((0.0, 0.0, 0.0), "point", 0.0, 0.0),
+        # A lying cylinder whose ends are ellipses 0.2 m wide and 0.1 m high.
+        ((-0.2, 1.2, -0.1), "tube_c0", 0.24, 0.12),
+        ((1.2, -0.2, -0.1), "tube_c90", 0.24, math.pi * 0.005),
     ],
 )
 def test_signs_code_the_shape_of_the_opening(tmp_path, sizes, shape, nadir, side):
@@ -153,6 +158,70 @@ def test_signs_code_the_shape_of_the_opening(tmp_path, sizes, shape, nadir, side
     assert opening.shape == shape
     assert opening.projected_area(0.0, 0.0) == pytest.approx(nadir, abs=1e-12)
     assert opening.projected_area(90.0, 90.0) == pytest.approx(side, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "shape", "nadir", "side"),
+    [
+        ((-0.4, 0.0, -0.4), "ellipsoid", math.pi * 0.04, math.pi * 0.04),
+        ((-0.4, 0.0, 0.5), "ellipse", math.pi * 0.04, 0.2),
+        ((0.0, 1.2, -0.1), "tube_c0", 0.12, 0.12),
+        ((1.2, 0.0, -0.1), "tube_c90", 0.12, math.pi * 0.0025),
+        ((-0.4, 0.8, 0.0), "ellipse", math.pi * 0.08, 0.0),
+        ((0.4, -0.8, 0.5), "ellipse", math.pi * 0.08, 0.4),
+        ((-0.4, 0.8, -0.6), "ellipsoid", math.pi * 0.08, math.pi * 0.12),
+        ((0.8, -0.4, -0.6), "ellipsoid", math.pi * 0.08, math.pi * 0.06),
+    ],
+)
+def test_editions_before_2002_code_some_shapes_otherwise(tmp_path, sizes, shape, nadir, side):
+    for edition in ("IESNA:LM-63-1995", "IESNA91", ""):
+        opening = read(tmp_path, ies(sizes=sizes, first=edition), "a.ies").opening
+        assert opening.shape == shape
+        assert opening.projected_area(0.0, 0.0) == pytest.approx(nadir, abs=1e-12)
+        assert opening.projected_area(90.0, 90.0) == pytest.approx(side, abs=1e-12)
+
+
+def counted(symmetry: int, planes, columns, intensity) -> str:
+    """A file that counts ``planes`` and gives ``columns`` under a symmetry indicator, right or wrong."""
+    head = ldt(intensity).split("\r\n")[:42]
+    head[2:5] = str(symmetry), str(len(planes)), "15"
+    body = [
+        *planes,
+        *GAMMA,
+        *(1000 / math.pi * intensity(float(c), float(g)) for c in columns for g in GAMMA),
+    ]
+    return "\r\n".join(map(str, head + body)) + "\r\n"
+
+
+QUARTER, HALF, TURN = range(0, 91, 15), range(0, 181, 15), range(0, 360, 15)
+ACROSS = [*range(270, 360, 15), *QUARTER]
+
+
+@pytest.mark.parametrize(
+    ("symmetry", "planes", "columns", "intensity", "severity"),
+    [
+        # The number of planes counts those of the sector only.
+        (4, QUARTER, QUARTER, batwing, "warning"),
+        (2, HALF, HALF, wallwasher, "warning"),
+        (3, ACROSS, ACROSS, sideways, "warning"),
+        # More planes than the indicator needs: they are used.
+        (4, TURN, HALF, batwing, "error"),
+        (4, TURN, TURN, skew, "error"),
+        (1, TURN, QUARTER, batwing, "error"),
+    ],
+)
+def test_planes_that_are_there_are_believed(tmp_path, symmetry, planes, columns, intensity, severity):
+    photometry = read(tmp_path, counted(symmetry, planes, columns, intensity))
+    for c in range(0, 360, 15):
+        expected = [3000 / math.pi * intensity(c, g) for g in GAMMA]
+        assert photometry.intensity(c, GAMMA) == pytest.approx(expected, rel=CLOSE, abs=1e-6)
+    said = [finding.severity for finding in photometry.findings if finding.rule == "symmetry"]
+    assert said == [severity]
+
+
+def test_planes_that_are_missing_are_not_made_up(tmp_path):
+    with pytest.raises(InputError, match=r"holds 7 planes, as symmetry indicator 4 has; .* needs 24"):
+        read(tmp_path, counted(0, TURN, QUARTER, batwing))
 
 
 def test_type_b_becomes_c_and_gamma(tmp_path):
@@ -182,6 +251,16 @@ def test_tilt_factors_are_kept(tmp_path):
     assert photometry.format == "IES LM-63-1986"
 
 
+def with_remarks(text: str) -> str:
+    """What some editors write behind the numbers, and words where a factor is not known."""
+    lines = text.split("\r\n")
+    lines[32] = "n/a"
+    return "\r\n".join(
+        line + " ; remark 7" if number in {2, 3, 12} or (number > 42 and line) else line
+        for number, line in enumerate(lines)
+    )
+
+
 @pytest.mark.parametrize(
     "spoil",
     [
@@ -196,6 +275,8 @@ def test_tilt_factors_are_kept(tmp_path):
         lambda text: text.replace(".", ","),
         lambda text: text.replace("panel", "Möbelleuchte ½", 1),
         lambda text: text.rstrip(),
+        lambda text: text.replace("\r\n3000\r\n", "\r\n3000 lm\r\n").replace("\r\n620\r\n", "\r\n620mm\r\n"),
+        with_remarks,
     ],
 )
 def test_habits_of_eulumdat_writers_change_nothing(tmp_path, spoil):
@@ -204,6 +285,12 @@ def test_habits_of_eulumdat_writers_change_nothing(tmp_path, spoil):
         found = read(tmp_path, spoil(ldt(batwing)).encode(encoding))
         assert np.array_equal(found.candela, expected.candela)
         assert found.opening == expected.opening
+
+
+def test_a_power_in_words_is_no_reason_to_refuse_the_light(tmp_path):
+    found = read(tmp_path, ldt(lamps=((1, "LED", 3000, "840", "1B", "see label"),)))
+    assert luminous_flux(found) == pytest.approx(3000.0, rel=STEP_LOSS)
+    assert (found.power, "watts" in rules(found)) == (0.0, True)
 
 
 def test_a_blank_line_too_many_in_the_numbers_changes_nothing(tmp_path):
@@ -233,6 +320,7 @@ def test_a_blank_line_too_many_in_the_numbers_changes_nothing(tmp_path):
         lambda text: text[: text.index("TILT")] + text[text.index("TILT") :].replace(" ", "\n"),
         lambda text: text.replace("IESNA:LM-63-2002", "IES:LM-63-2019"),
         lambda text: text.replace("IESNA:LM-63-2002\n", ""),
+        lambda text: text.replace("1 1 25\n", "1 1 25 ; ballast\n"),
         lambda text: text[: text.index("TILT") + 9] + text[text.index("TILT") + 9 :].replace(".", ","),
     ],
 )
@@ -258,6 +346,7 @@ def test_habits_of_lm63_writers_change_nothing(tmp_path, spoil):
         (lambda text: ldt(lambda c, g: lambertian(c, g) + 1e-3), "false-uplight"),
         (lambda text: ldt(lambda c, g: lambertian(c, g) - 0.01), "negative-candela"),
         (lambda text: ldt(skew, symmetry=0).replace("\r\n0\r\n24\r\n", "\r\n4\r\n24\r\n", 1), "symmetry"),
+        (lambda text: ies(batwing, horizontal=range(45, 136, 15)), "open-planes"),
         (lambda text: ldt(sizes=(-620, 320, 80, 600, 300, 0, 0, 0, 0)), "negative-size"),
     ],
 )
@@ -312,6 +401,19 @@ def test_conversion_says_what_is_lost(tmp_path):
     assert any("lamp sets" in lost for lost in convert(read(tmp_path, CORPUS_LDT[3]), tmp_path / "b.ies"))
     with pytest.raises(InputError, match="allowed are"):
         convert(oval, tmp_path / "b.pdf")
+
+
+@pytest.mark.parametrize(("intensity", "above"), [(wallwasher, False), (uplight, True)])
+def test_polar_diagram_is_whole_with_nadir_below_and_c0_to_the_right(tmp_path, intensity, above):
+    axes = Figure(figsize=(5, 5)).add_subplot(projection="polar")
+    paint_polar(axes, polar_curves(read(tmp_path, ldt(intensity, symmetry=2))))
+    curve = axes.lines[0]
+    points = axes.transData.transform(np.column_stack([curve.get_xdata(), curve.get_ydata()]))
+    right, up = (points - axes.transData.transform((0.0, 0.0)))[np.argmax(curve.get_ydata())]
+    assert (up > 0) == above
+    # The wall washer of the tests leans towards C0: largest at sin γ = 0.461, in steps of 5° at 25°.
+    assert right == pytest.approx(0.0 if above else -up * math.tan(math.radians(25.0)), abs=1.0)
+    assert (axes.get_thetamin(), axes.get_thetamax()) == (0.0, 360.0)
 
 
 def test_mutated_files_read_or_fail_in_one_line(tmp_path):

@@ -90,12 +90,63 @@ def test_the_summary_tells_what_metrics_json_holds(out, pdfs):
     assert re.search(rf"Mean illuminance +Em +{mean['value']:.1f} +± 3\.4 +lx +≥ 500 lx +✗ fail", text)
     # 0.012: ± 0.024, three decimals. 0.21 cd/m²: ± 0.42, one decimal. 0.06: ± 0.12, two decimals.
     assert re.search(r"Uniformity Emin / Em +U0 +0\.\d{3} +± 0\.024 +– +≥ 0\.6 +○ undecided", text)
-    assert re.search(r"Background luminance +Lb +19\.1 +± 0\.4 +cd/m²", text)
+    assert re.search(r"Background luminance +19\.1 +± 0\.4 cd/m²", text)
     assert re.search(r"UGR +17\.83 +± 0\.12 +– +≤ 19 +✓ pass", text)
     assert re.search(r"UGR +<10 +– +≤ 19 +✓ pass", text)
     assert "4 requirements: 2 passed, 1 failed, 1 undecided within the error." in text
     assert "Head office" in text
     assert "A. Nyone" in text
+
+
+@needs_poppler
+def test_every_number_of_the_summary_is_that_of_metrics_json(out, pdfs):
+    """By the file, not by the program's rounding: within half of the last digit that is printed."""
+    text = text_of(pdfs[write_luminance_report])
+    summary = text[text.index("Summary") : text.index("Contents")]
+    metrics = json.loads((out / "metrics.json").read_text(encoding="utf-8"))
+    names = {
+        "mean_illuminance": r"Mean illuminance +Em",
+        "uniformity": r"Uniformity Emin / Em +U0",
+        "mean_cylindrical_illuminance": r"Mean cylindrical illuminance +Ez",
+        "ugr": r"Unified glare rating, from emitters +UGR",
+        "mean_room_surface_exitance": r"Mean room surface exitance +MRSE",
+    }
+    number = r"(<?[\d.]+)(?: +± ([\d.]+))? +(lx|lm/m²|–)"
+    printed = re.findall(rf"({'|'.join(names.values())}) +{number}", summary)
+    entries = [*metrics["planes"].values(), *metrics["observers"].values(), metrics["room"]]
+    expected = [(entry[key], pattern) for entry in entries for key, pattern in names.items() if key in entry]
+    assert len(printed) == len(expected) == 6
+    for (label, value, half_width, unit), (entry, pattern) in zip(printed, expected, strict=True):
+        assert re.fullmatch(pattern, label)
+        assert unit == {"1": "–"}.get(entry["unit"], entry["unit"])
+        if value == "<10":
+            assert entry["value"] < 10.0
+            continue
+        last_digit = 10.0 ** -len(value.partition(".")[2])
+        assert float(value) == pytest.approx(entry["value"], abs=0.5 * last_digit * (1 + 1e-9))
+        assert float(half_width) == pytest.approx(2 * entry["std_error"], abs=0.5 * last_digit * (1 + 1e-9))
+
+
+@needs_poppler
+def test_data_sheets_show_file_hash_and_table(out, pdfs):
+    sheet = json.loads((out / "run.json").read_text(encoding="utf-8"))["data_sheets"][0]
+    luminance, glare = (text_of(pdfs[write]) for write in WRITERS)
+    assert "lamps/panel.ldt" in luminance
+    assert sheet["sha256"] in luminance
+    ratings = [*sheet["ugr"]["crosswise"][7], *sheet["ugr"]["endwise"][7]]
+    row = "4H × 3H +" + " +".join("<10" if each < 10 else f"{each:.1f}" for each in ratings)
+    assert re.search(row, luminance) and re.search(row, glare)
+    assert "they say nothing about an observer of this scene" in re.sub(r"\s+", " ", glare)
+
+
+@needs_poppler
+@pytest.mark.parametrize("write", WRITERS)
+def test_fonts_are_embedded_and_sections_have_bookmarks(pdfs, write):
+    fonts = subprocess.run(["pdffonts", str(pdfs[write])], capture_output=True, check=True, text=True)
+    lines = fonts.stdout.splitlines()[2:]
+    assert lines and all(re.search(r" yes yes yes +\d+ +\d+$", line) for line in lines)
+    for title in (b"Summary", b"A  desk 1", b"Method and accuracy", b"Glossary"):
+        assert b"/Title(" + title + b")" in pdfs[write].read_bytes()
 
 
 @needs_poppler
@@ -133,7 +184,7 @@ def test_the_glare_report_says_what_it_is_not(pdfs):
     assert "not the tabular UGR" in text
     assert not re.search("compl(y|ies|iant|iance)", text, re.IGNORECASE)
     assert "not counted: outside the field" in text
-    assert re.search(r"A +desk 1 +<10 +18\.2 +0\.193 +19\.1 ± 0\.4 cd/m²", text)
+    assert re.search(r"A +desk 1 +<10 +– +18\.2 +0\.193 +19\.1 +≤ 19 +✓ pass", text)
 
 
 @needs_poppler
@@ -146,9 +197,17 @@ def test_pages_render_without_a_word(pdfs, write, tmp_path):
     assert run.stderr == b""
     pages = sorted(tmp_path.glob("page*"))
     assert len(pages) > 3
-    # A page is not empty: more than 1 % of it is not white.
-    dark = [np.mean(np.frombuffer(page.read_bytes(), np.uint8)[20:] < 250) for page in pages]
-    assert min(dark) > 0.01
+    # No page but the last ends above a quarter of its height: two thirds of header and footer aside.
+    assert min(_filled(page) for page in pages[:-1]) > 0.25
+
+
+def _filled(page):
+    """Share of a page's height, without header and footer, down to the last dark line."""
+    header, pixels = page.read_bytes().split(b"\n255\n", 1)
+    columns, rows = (int(number) for number in header.split()[-2:])
+    body = np.frombuffer(pixels, np.uint8).reshape(rows, columns)[rows // 12 : -rows // 12]
+    dark = np.flatnonzero((body < 200).any(axis=1))
+    return (dark[-1] + 1) / len(body) if len(dark) else 0.0
 
 
 NASTY = [
@@ -172,8 +231,8 @@ def test_names_are_data_whatever_they_hold(write, tmp_path):
 @needs_poppler
 @pytest.mark.parametrize("write", WRITERS)
 def test_letters_without_a_glyph_cost_the_archive_format_only(write, tmp_path):
-    # U+13FF0 is hardly in a font here; Hebrew may be, and must not turn what follows around.
-    names = ["\U00013ff0\u6f22", "שולחן"]
+    # Cuneiform is hardly in a font here; Hebrew may be, and must not turn what follows around.
+    names = ["\U00012000\u6f22", "שולחן"]
     folder = make_result_folder(tmp_path / "x", observers=names, pixels=16)
     change(
         folder,
@@ -184,7 +243,67 @@ def test_letters_without_a_glyph_cost_the_archive_format_only(write, tmp_path):
         warnings.simplefilter("always")
         pdf = write(folder)
     assert {warning.category for warning in caught} <= {MissingGlyphWarning}
-    assert "21.00 ± 0.12" in re.sub(" +", " ", text_of(pdf))
+    assert re.search(r"21\.00 +± 0\.12", text_of(pdf))
+
+
+@needs_poppler
+def test_a_number_stands_in_for_a_letter_that_no_font_has(tmp_path):
+    # Cuneiform is hardly in a font here.
+    folder = make_result_folder(tmp_path / "x", observers=["seat \U00012000\U00012001"], pixels=16)
+    with pytest.warns(
+        MissingGlyphWarning, match=r"letters \[U\+12000\], \[U\+12001\]; they are written by their numbers"
+    ):
+        pdf = write_glare_report(folder)
+    assert "seat [U+12000 U+12001]" in text_of(pdf)
+    assert b"<pdfaid:part>2</pdfaid:part>" in pdf.read_bytes()
+
+
+def test_figures_alone_are_written_as_svg(out, tmp_path):
+    copy = tmp_path / "copy.lelight"
+    shutil.copytree(out, copy)
+    written = {write: write(copy, figures_only=True) for write in WRITERS}
+    assert not list(copy.glob("*.pdf")) or all((out / name.name).exists() for name in copy.glob("*.pdf"))
+    names = {path.name for path in written[write_luminance_report].iterdir()}
+    assert {"plan.svg", "isometric.svg", "view-A.svg", "isolines-P1.svg", "luminaire-1.svg"} <= names
+    assert {"glare-A.svg", "rose-B.svg", "cones-A.svg"} <= {
+        path.name for path in (copy / "figures" / "glare").iterdir()
+    }
+    assert all(path.read_bytes().startswith(b"<?xml") for path in (copy / "figures").rglob("*.svg"))
+
+
+def test_a_logo_is_set_or_refused_in_one_line(tmp_path):
+    folder = make_result_folder(tmp_path / "x", pixels=16, observers=())
+    logo = tmp_path / "logo.svg"
+    logo.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"><rect width="9" height="9"/></svg>'
+    )
+    assert write_glare_report(folder, logo=logo).stat().st_size > 10_000
+    for name, content, told in (
+        ("bad.png", b"no picture", "is no picture"),
+        ("logo.gif", b"GIF89a", "a logo is one of .svg"),
+        ("absent.png", None, "No such file"),
+    ):
+        if content is not None:
+            (tmp_path / name).write_bytes(content)
+        with pytest.raises(OutputError, match=r"^[^\n]+$") as error:
+            write_glare_report(folder, logo=tmp_path / name)
+        assert str(tmp_path / name) in str(error.value)
+        assert told in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("version", "newer"), [("99.0.0", True), ("0.1.1", True), ("0.1.0", False), ("0.0.9", False)]
+)
+def test_a_folder_of_a_newer_version_is_refused(tmp_path, version, newer):
+    folder = make_result_folder(tmp_path / "x", pixels=16, observers=())
+    change(folder, "run.json", lambda run: run.update(lelight=version))
+    if not newer:
+        assert write_glare_report(folder).exists()
+        return
+    with pytest.raises(
+        OutputError, match=rf"written by lelight {version}, newer than this one, .*lelight calc"
+    ):
+        write_glare_report(folder)
 
 
 @pytest.mark.parametrize("write", WRITERS)

@@ -8,13 +8,17 @@ with the box.
 from __future__ import annotations
 
 import json
+import tempfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from photofiles import ldt, wallwasher
 
 from lelight.camera import Fisheye
 from lelight.errors import OutputError
+from lelight.photometry.reading import read_photometry
+from lelight.pipelines.datasheets import data_sheet
 from lelight.reports.folder import open_folder
 from lelight.reports.nodemesh import read_lit_mesh
 from lelight.reports.pictures import read_picture
@@ -159,6 +163,42 @@ def observer_entry(out, stem, number, pixels):
     }
 
 
+def view_entry(number):
+    """What is no single figure: a rose that falls off to the back, and statistics of the view."""
+    turns = 15.0 * np.arange(24)
+    rose = [
+        {"turn": turn, "ugr": 12 + 5 * np.cos(np.radians(turn)) if abs(turn - 180) > 60 else None, "std_error": 0.1,
+         "background_luminance": 20.0}
+        for turn in turns.tolist()
+    ]  # fmt: skip
+    zone = {"mean": 30.25, "median": 20.5, "p5": 5.125, "p95": 60.5, "max": 3000.0, "solid_angle": 0.5}
+    return {"rose": rose, "luminance": dict.fromkeys(("task", "surround", "background", "view"), zone)}
+
+
+def lamp_entry(name, position):
+    return {
+        "name": name,
+        "position": position,
+        "intensity_cd": [1200.0] * 3,
+        "photometry": "lamps/panel.ldt",
+        "sha256": "5a" * 32,
+        "flux_lm": 2400.0,
+        "power_w": 25.0,
+        "aim": [0, 0, -1],
+        "c0": [0, 1, 0],
+        "opening": "rectangle",
+        "opening_m": [0.3, 0.6, 0.0],
+    }
+
+
+def sheet_entry():
+    """Data sheet of a file that the tests write themselves."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "panel.ldt").write_text(ldt(wallwasher, symmetry=2))
+        sheet = data_sheet(read_photometry(Path(folder) / "panel.ldt"))
+    return sheet | {"path": "lamps/panel.ldt", "used_by": ["lamp 1", "lamp 2"]}
+
+
 def run_entry():
     return {
         "lelight": "0.1.0",
@@ -226,9 +266,30 @@ def run_entry():
                 "origin": 'office.toml "panel"',
             },
         ],
-        "luminaires": [{"name": "L1", "position": [2.0, 1.5, 2.8], "intensity": [100, 100, 100]}],
+        "luminaires": [
+            {"name": "bare lamp", "position": [2.0, 1.5, 2.8], "intensity": [100, 100, 100]},
+            lamp_entry("lamp 1", [1.5, 2.0, 3.0]),
+            lamp_entry("lamp 2", [4.5, 2.0, 3.0]),
+        ],
+        "data_sheets": [sheet_entry()],
         "files": {"office.obj": "ab" * 32, "office.toml": "0f" * 32},
     }
+
+
+def face_ends(triangles):
+    """Where the triangles of each of the six faces but the last end: grids of 8 x 6, 12 x 6 and 12 x 8 squares."""
+    return np.cumsum([2 * 8 * 6, 2 * 8 * 6, 2 * 12 * 6, 2 * 12 * 6, 2 * 12 * 8])
+
+
+def glossy_arrays(count, floor):
+    """Harmonics of degree 1: luminance a + b cos of the angle to a direction 45° off the normal, on the floor."""
+    harmonics = np.zeros((count, 4), dtype=np.float32)
+    harmonics[:, 0] = 10.0 * np.sqrt(4 * np.pi)
+    slope = 4.0 * np.sqrt(4 * np.pi / 3) / np.sqrt(2)
+    harmonics[floor, 2] = harmonics[floor, 3] = slope
+    degrees = np.zeros(count, dtype=np.int32)
+    degrees[floor] = 1
+    return {"radiance_sh": harmonics, "sh_degree": degrees}
 
 
 def make_result_folder(
@@ -243,7 +304,18 @@ def make_result_folder(
         "normal": normals,
         "hidden": np.zeros(len(points), "u1"),
     }
-    write_polydata(out / "field.vtp", PolyData(points=points, polygons=triangles, point_arrays=arrays))
+    faces = np.repeat([1, 1, 1, 1, 0, 2], [len(part) for part in np.split(triangles, face_ends(triangles))])
+    floor = np.flatnonzero((points[:, 2] == 0.0) & (normals[:, 2] == 1.0))
+    write_polydata(
+        out / "field.vtp",
+        PolyData(
+            points=points,
+            polygons=triangles,
+            point_arrays=arrays | glossy_arrays(len(points), floor),
+            cell_arrays={"material_id": faces.astype(np.int32)},
+            texts={"material_names": ("floor wood", "wall", "panel")},
+        ),
+    )
     plane_stems, observer_stems = safe_names(planes), safe_names(observers)
     metrics = {
         "planes": {n: plane_entry(out, s, *grid) for n, s in zip(planes, plane_stems, strict=True)},
@@ -252,6 +324,7 @@ def make_result_folder(
             for k, (n, s) in enumerate(zip(observers, observer_stems, strict=True))
         },
         "room": {"mean_room_surface_exitance": figure(44.4, "lm/m²", 0.5)},
+        "views": {name: view_entry(number) for number, name in enumerate(observers)},
     }
     (out / "metrics.json").write_text(json.dumps(metrics), encoding="utf-8")
     (out / "run.json").write_text(json.dumps(run_entry()), encoding="utf-8")

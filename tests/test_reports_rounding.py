@@ -14,6 +14,7 @@ from lelight.reports import rounding, vocabulary
 from lelight.reports.figures import scales
 from lelight.reports.reading import Reading, readings_of
 from lelight.reports.rounding import MISSING, fixed, rounded, significant
+from lelight.reports.texts import read_texts
 
 
 @pytest.mark.parametrize("module", [rounding, vocabulary, scales])
@@ -68,13 +69,29 @@ def test_thousands_are_apart_only_where_there_are_ten_of_them():
     ("value", "printed"), [(9.4, ("<10", "")), (10.4, ("10.4", "±\u00a01.0")), (None, (MISSING, ""))]
 )
 def test_ratings_below_ten_are_not_told_apart(value, printed):
-    assert Reading("ugr", value, "", 0.5).number == printed
-    assert Reading("ugr_picture", value, "", 0.5).number == printed
+    for key in ("ugr", "ugr_picture"):
+        assert Reading(key, read_texts().term(key), value, "", 1.0).number == printed
 
 
 def test_requirements_know_their_good_side():
-    assert Reading("ugr", 20.0, "", target=19.0).requirement == "≤\u00a019"
-    assert Reading("mean_illuminance", 20.0, "lx", target=500.0).requirement == "≥\u00a0500\u00a0lx"
+    term = read_texts().term
+    assert Reading("ugr", term("ugr"), 20.0, "", target=19.0).requirement == "≤\u00a019"
+    mean = Reading("mean_illuminance", term("mean_illuminance"), 20.0, "lx", target=500.0)
+    assert mean.requirement == "≥\u00a0500\u00a0lx"
+
+
+def test_the_interval_is_printed_where_there_is_one():
+    figure = {
+        "value": 512.3456,
+        "unit": "lx",
+        "std_error": 6.8,
+        "interval": [512.3456 - 21.0, 512.3456 + 21.0],
+    }
+    (reading,) = readings_of({"mean_illuminance": figure}, read_texts())
+    assert reading.number == ("512", "±\u00a021")
+    figure["interval"] = None
+    (reading,) = readings_of({"mean_illuminance": figure}, read_texts())
+    assert reading.number == ("512", "±\u00a014")
 
 
 def test_what_is_no_figure_is_left_out_and_what_is_no_number_is_missing():
@@ -84,5 +101,5 @@ def test_what_is_no_figure_is_left_out_and_what_is_no_number_is_missing():
         "ugr": {"value": "high", "unit": "1"},
         "grid": {"rows": 1},
     }
-    (reading,) = readings_of(entry)
+    (reading,) = readings_of(entry, read_texts())
     assert (reading.key, reading.value, reading.unit) == ("ugr", None, "")

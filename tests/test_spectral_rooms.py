@@ -7,10 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from photofiles import batwing, ldt
+from photorooms import luminaire, scene_of
 from rooms import furnace
 
 from lelight.calculation import calculate
 from lelight.channels import luminance_weighted
+from lelight.errors import SceneError
 from lelight.metrics.cies026 import daylight_efficacy_ratio
 from lelight.metrics.colour_figures import colour_figures
 from lelight.metrics.ohno2013 import temperature_and_distance
@@ -102,6 +105,32 @@ def test_bands_go_to_a_spectrum_and_back():
         rtol=1e-6,
     )
     assert math.isfinite(float(made.amounts.sum()))
+
+
+def test_the_light_of_a_photometric_file_has_the_spectrum_that_the_scene_gives_it(tmp_path):
+    grey = '[materials]\n"*" = { reflectance = 0.5 }\n'
+    eye = '[[observers]]\nname = "eye"\nposition = [1, 1, 1]\ndirection = [1, 1, 0]\n'
+
+    def observed(**keys):
+        toml = grey + eye + luminaire("lamp.ldt", (2, 2, 2.9), **keys)
+        return run(scene_of(tmp_path, toml, lamp_ldt=ldt(batwing))).observers[0]
+
+    lit, plain = observed(spectrum="F11"), observed()
+    kelvin = temperature_and_distance(illuminant("F11"))[0]
+    figures = colour_figures(lit.band_replicates, mixed_spectrum([illuminant("F11")], [1.0]))
+    assert figures["cct"].value == pytest.approx(kelvin, abs=1.0)
+    # Neither the direct light of the file nor what the grey room makes of it changes with the spectrum.
+    assert lit.direct == pytest.approx(plain.direct, rel=1e-6)
+    assert lit.direct > 0
+    assert lit.indirect == pytest.approx(plain.indirect, rel=0.03)
+
+
+def test_one_photometric_lamp_without_a_spectrum_among_others_is_refused(tmp_path):
+    toml = luminaire("lamp.ldt", (1, 1, 2), spectrum="D65") + luminaire("lamp.ldt", (3, 3, 2)).replace(
+        '"L"', '"M"'
+    )
+    with pytest.raises(SceneError, match=r'no spectrum: "M"; .*every emitter needs'):
+        scene_of(tmp_path, toml, lamp_ldt=ldt())
 
 
 def test_a_scene_without_spectra_stays_grey():

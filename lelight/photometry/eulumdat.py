@@ -7,17 +7,14 @@ read by leaving blank lines out where a number is due. Intensities are in cd/klm
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from lelight.errors import InputError
+from lelight.photometry.eulumdatplanes import Declared, read_planes
 from lelight.photometry.opening import Opening
 from lelight.photometry.photometry import Finding, LampSet, Photometry
-from lelight.photometry.symmetry import SYMMETRIES, Planes, Symmetry, sector, unfolded
+from lelight.photometry.symmetry import SYMMETRIES
 from lelight.photometry.textfile import (
-    ANGLE_DECIMALS,
     LARGEST,
     MOST_INTENSITIES,
     SIZE_DECIMALS,
@@ -26,7 +23,6 @@ from lelight.photometry.textfile import (
     parse_number,
 )
 from lelight.reading.inputfile import quoted
-from lelight.scene import FloatArray, IntArray
 
 #: Utilisation factors for room indices 0.6 to 5 that close the header.
 DIRECT_RATIOS = 10
@@ -35,7 +31,10 @@ MOST_PLANES, MOST_ANGLES, MOST_LAMP_SETS = 3601, 18_001, 100
 #: Longest side of a luminaire in mm.
 LONGEST = 1e6
 
-_LEADING_NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d{1,3})?(?=\s|$)")
+#: A number, and what may stand behind it: a blank, a remark, or its unit.
+_LEADING_NUMBER = re.compile(
+    r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d{1,3})?)(?=(?:mm|lm|W|°|%)?(?:[\s;]|$))"
+)
 
 
 class _Lines:
@@ -72,10 +71,20 @@ class _Lines:
         if not words and default is not None:
             return default
         match = _LEADING_NUMBER.match(words)
-        found = parse_number(match[0].replace(",", ".")) if match else None
+        found = parse_number(match[1].replace(",", ".")) if match else None
         if found is None or abs(found) > LARGEST:
             raise self.text.error(self.line, f"{what}: found {quoted(words)}; expected a number")
         return found
+
+    def upcoming(self) -> str:
+        """Text of the field that comes next, not taken."""
+        return self.lines[self.position][1].strip() if self.position < len(self.lines) else ""
+
+    def unused(self) -> None:
+        """Take a field that nothing depends on, whatever it holds."""
+        words = self.words()
+        while self.skip_blank and not words and self.position < len(self.lines):
+            words = self.words()
 
     def count(self, what: str, *, least: int, most: int) -> int:
         """Take a whole number."""
@@ -89,11 +98,7 @@ class _Lines:
 
 @dataclass(frozen=True)
 class _Header:
-    symmetry: int
-    planes: int
-    plane_step: float
-    angles: int
-    angle_step: float
+    table: Declared
     texts: dict[str, str]
     sizes: tuple[float, ...]
     downward: float
@@ -102,7 +107,6 @@ class _Header:
     tilt: float
     lamps: tuple[LampSet, ...]
     absolute: bool
-    end: int
     findings: tuple[Finding, ...]
 
 
@@ -139,15 +143,14 @@ def _readings(lines: list[tuple[int, str]]) -> list[tuple[list[tuple[int, str]],
 
 def _read(text: TextFile, lines: _Lines) -> Photometry:
     header = _header(lines)
-    numbers = Numbers(text, header.end, decimal_comma=True)
+    numbers = Numbers(text, header.table.line, decimal_comma=True, tails=True)
     findings = list(header.findings)
-    c, gamma, shares = _table(text, header, numbers, findings)
-    planes = _unfolded(text, header, c, shares, findings)
+    gamma, planes = read_planes(text, header.table, numbers, findings)
     flux = header.lamps[0].flux
     candela = planes.candela * header.factor * flux / 1000.0
     if candela.max(initial=0.0) > LARGEST:
         raise text.error(
-            header.end, f"found an intensity of {candela.max():g} cd; expected at most {LARGEST:g}"
+            header.table.line, f"found an intensity of {candela.max():g} cd; expected at most {LARGEST:g}"
         )
     return Photometry(
         c=planes.c,
@@ -160,7 +163,7 @@ def _read(text: TextFile, lines: _Lines) -> Photometry:
         declared_flux=flux * header.output_ratio / 100.0 if header.output_ratio > 0 else None,
         downward_share=header.downward / 100.0 if header.downward > 0 else None,
         power=header.lamps[0].watts,
-        symmetry=SYMMETRIES[header.symmetry],
+        symmetry=header.table.symmetry,
         texts=header.texts,
         format="EULUMDAT",
         file=text.path.name,
@@ -198,12 +201,12 @@ def _header(lines: _Lines) -> _Header:
         findings.append(Finding("tilt", "info", text, lines.line))
     lamps, absolute = _lamps(lines, findings)
     for _ in range(DIRECT_RATIOS):
-        lines.number("direct ratio", default=0.0)
+        lines.unused()
     end = lines.lines[lines.position - 1][0]
+    table = Declared(SYMMETRIES[symmetry], planes, plane_step, angles, angle_step, end)
     return _Header(
-        symmetry, planes, plane_step, angles, angle_step, texts, sizes, downward, output_ratio,
-        factor, tilt, lamps, absolute, end, tuple(findings),
-    )  # fmt: skip
+        table, texts, sizes, downward, output_ratio, factor, tilt, lamps, absolute, tuple(findings)
+    )
 
 
 _SIZES = (
@@ -242,7 +245,7 @@ def _lamps(lines: _Lines, findings: list[Finding]) -> tuple[tuple[LampSet, ...],
                 lines.line, f"luminous flux of the lamps: found {flux:g}; expected 0 or more"
             )
         colour, rendering = lines.words(), lines.words()
-        watts = lines.number("watts", default=0.0)
+        watts = _watts(lines, findings)
         sets.append(LampSet(abs(int(lamps)), flux, max(watts, 0.0), kind, colour, rendering))
     if not sets:
         findings.append(Finding("no-lamps", "error", "no lamp set: read as 1000 lm", line))
@@ -264,6 +267,16 @@ def _lamps(lines: _Lines, findings: list[Finding]) -> tuple[tuple[LampSet, ...],
     return tuple(sets), absolute
 
 
+def _watts(lines: _Lines, findings: list[Finding]) -> float:
+    """Power in W; words in its place are no reason to refuse the light."""
+    words = lines.upcoming()
+    try:
+        return lines.number("watts", default=0.0)
+    except InputError:
+        findings.append(Finding("watts", "warning", f"found {quoted(words)}; read as 0 W", lines.line))
+        return 0.0
+
+
 def _opening(sizes: tuple[float, ...], findings: list[Finding]) -> Opening:
     """Make the opening of the luminous sizes; length lies along C90, width 0 is a circle."""
     length, width = sizes[3], sizes[4]
@@ -277,119 +290,3 @@ def _opening(sizes: tuple[float, ...], findings: list[Finding]) -> Opening:
     if width == 0 and length > 0:
         return Opening("ellipse", length, length, (h0, h90, h180, h270))
     return Opening("rectangle", width, length, (h0, h90, h180, h270))
-
-
-def _table(
-    text: TextFile, header: _Header, numbers: Numbers, findings: list[Finding]
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """C angles (Mc,), γ (Ng,) and intensities (n, Ng) in cd/klm as they stand in the file."""
-    n_c, n_g = header.planes, header.angles
-    c = np.round(np.array(numbers.take_many(n_c, "C angles")), ANGLE_DECIMALS)
-    gamma = np.array(numbers.take_many(n_g, "angles in a plane"))
-    line = numbers.line
-    columns = _columns(header, c)
-    if numbers.left == n_c * n_g and columns < n_c:
-        findings.append(
-            Finding(
-                "symmetry",
-                "error",
-                f"symmetry indicator {header.symmetry} but all {n_c} planes are there; all are used",
-                line,
-            )
-        )
-        columns = n_c
-    shares = np.array(numbers.take_many(columns * n_g, "intensities")).reshape(columns, n_g)
-    findings += numbers.trailing()
-    if shares.min() < 0:
-        findings.append(
-            Finding("negative-candela", "error", f"found {shares.min():g} cd/klm; read as 0", line)
-        )
-        shares = np.maximum(shares, 0.0)
-    c = _angles_or_steps(c, header.plane_step, "C", 360.0, line, findings)
-    gamma = _angles_or_steps(gamma, header.angle_step, "γ", 180.0, line, findings)
-    if gamma.min() < -1e-6 or gamma.max() > 180 + 1e-6 or np.abs(c).max() > 720:
-        raise text.error(
-            line,
-            f"angles run to C {np.abs(c).max():g} and γ {gamma.min():g} to {gamma.max():g}; "
-            "expected C 0 to 360, γ 0 to 180",
-        )
-    gamma, order = _ascending(gamma, line, findings)
-    return c, gamma, shares[:, order]
-
-
-def _angles_or_steps(
-    angles: FloatArray, step: float, what: str, most: float, line: int, findings: list[Finding]
-) -> FloatArray:
-    """Angles as listed, or by their declared distance where the list says nothing."""
-    if len(angles) > 1 and np.all(angles == angles[0]) and 0 < step <= most:
-        findings.append(
-            Finding(
-                "missing-angles",
-                "error",
-                f"{what} angles are all {angles[0]:g}; counted in steps of {step:g}",
-                line,
-            )
-        )
-        return np.asarray(np.minimum(np.arange(len(angles)) * step, most))
-    return angles
-
-
-def _ascending(gamma: FloatArray, line: int, findings: list[Finding]) -> tuple[FloatArray, IntArray]:
-    sorted_, first = np.unique(np.round(gamma, ANGLE_DECIMALS), return_index=True)
-    if len(sorted_) < len(gamma):
-        findings.append(Finding("repeated-angles", "error", "γ angles come twice; the first is used", line))
-    if np.any(np.diff(first) < 0):
-        findings.append(Finding("unsorted-angles", "error", "γ angles are not ascending; sorted", line))
-    return np.clip(sorted_, 0.0, 180.0), np.asarray(first, dtype=np.int64)
-
-
-def _columns(header: _Header, c: FloatArray) -> int:
-    """Count the planes that the symmetry leaves in the file."""
-    n = header.planes
-    rule: dict[Symmetry, Callable[[], int]] = {
-        "none": lambda: n,
-        "rotational": lambda: 1,
-        "c0-c180": lambda: n // 2 + 1,
-        "c90-c270": lambda: n // 2 + 1,
-        "both": lambda: n // 4 + 1,
-    }
-    return min(n, rule[SYMMETRIES[header.symmetry]]())
-
-
-def _unfolded(
-    text: TextFile, header: _Header, c: FloatArray, shares: FloatArray, findings: list[Finding]
-) -> Planes:
-    """Give each column its C angle and add the planes that mirror them."""
-    symmetry = SYMMETRIES[header.symmetry]
-    if len(shares) == 1:
-        return Planes(np.zeros(1), shares)
-    if len(shares) == header.planes:
-        if len(np.unique(np.round(c % 360.0, 6))) + (abs(c.max() - 360) < 1e-6) < len(c):
-            findings.append(
-                Finding("repeated-angles", "error", "C angles come twice; the first is used", header.end)
-            )
-        if np.any(np.diff(c) < 0):
-            findings.append(
-                Finding("unsorted-angles", "error", "C angles are not ascending; sorted", header.end)
-            )
-        return unfolded(Planes(c, shares), "none")
-    own = _sector_angles(c, symmetry, len(shares))
-    if own is None:
-        own = np.linspace(*sector(symmetry), len(shares))
-        findings.append(
-            Finding(
-                "c-angles",
-                "error",
-                f"C angles do not fit symmetry indicator {header.symmetry}; spread evenly",
-                header.end,
-            )
-        )
-    return unfolded(Planes(own, shares), symmetry)
-
-
-def _sector_angles(c: FloatArray, symmetry: Symmetry, count: int) -> FloatArray | None:
-    """C angles of the columns: those listed within the sector that the file gives."""
-    first, last = sector(symmetry)
-    turned = np.where(c > last + 1e-6, c - 360.0, c) if first < 0 else c
-    inside = np.sort(turned[(turned >= first - 1e-6) & (turned <= last + 1e-6)])
-    return inside if len(inside) == count and len(np.unique(inside)) == count else None

@@ -159,7 +159,7 @@ def _uplight(photometry: Photometry) -> Iterator[Finding]:
         yield Finding(
             "false-uplight",
             "warning",
-            f"{up:.2%} of the flux go up; usually stray light or interpolation at 90°",
+            f"{100 * up:.2g} % of the flux go up; usually stray light or interpolation at 90°",
         )
 
 

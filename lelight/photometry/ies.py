@@ -194,7 +194,7 @@ def _read_numbers(text: TextFile, header: _Header, *, decimal_comma: bool) -> Ph
         c=c,
         gamma=gamma,
         candela=candela,
-        opening=opening_of(*sizes),
+        opening=opening_of(*sizes, edition=header.edition),
         lamps=(LampSet(count, flux, max(watts, 0.0), header.texts.get("lamp", "")),),
         absolute=absolute,
         power=max(watts, 0.0),
@@ -367,9 +367,10 @@ def _whole_turn(table: _Table, findings: list[Finding]) -> Planes:
         return Planes(np.zeros(1), table.candela)
     if abs(last - first - 360.0) < 1e-6:
         return in_order(planes)
-    if abs(last - first - 180.0) < 1e-6:
+    borders = abs(first / 90.0 - round(first / 90.0)) < 1e-6
+    if borders and abs(last - first - 180.0) < 1e-6:
         return mirrored(planes, first)
-    if abs(last - first - 90.0) < 1e-6:
+    if borders and abs(last - first - 90.0) < 1e-6:
         return mirrored(mirrored(planes, first), last)
     step = float(np.max(np.diff(table.horizontal)))
     closes = 360.0 - (last - first) <= step + 1e-6

@@ -1,7 +1,22 @@
 """The luminous opening as LM-63 codes it: by the signs of width, length and height.
 
-A negative size is a diameter. The editions of 1986 to 1995 write zero where that of 2002 repeats a diameter;
-both are understood. Length lies along the zero plane (C0), width across it (C90), height is vertical.
+A negative size is a diameter. Length lies along the zero plane (C0), width across it (C90), height is vertical.
+
+====================  ================  =================
+shape                 2002 and 2019     1986 to 1995
+====================  ================  =================
+point                 0, 0, 0           0, 0, 0
+rectangle, sides      w, l, 0 or h      w, l, 0 or h
+circle, cylinder      -d, -d, 0 or h    -d, 0, 0 or h
+ellipse, cylinder     -w, -l, 0 or h    -w, l, h; w, -l, h
+sphere                -d, -d, -d        -d, 0, -d
+ellipsoid             -w, -l, -h        -w, l, -h; w, -l, -h
+tube along C0         -w, l, -h         0, l, -d
+tube along C90        w, -l, -h         w, 0, -d
+upright disc          -w, 0, -h
+====================  ================  =================
+
+Each edition's files are found with the codes of the other; where both have a meaning the edition decides.
 """
 
 from __future__ import annotations
@@ -9,12 +24,12 @@ from __future__ import annotations
 from lelight.photometry.opening import Opening
 
 
-def opening_of(width: float, length: float, height: float) -> Opening:
+def opening_of(width: float, length: float, height: float, *, edition: int) -> Opening:
     """Tell the opening from signed sizes in m (LM-63-2002, table 1; LM-63-1995, clause on luminous dimensions)."""
     across, along, tall = abs(width), abs(length), abs(height)
-    if height < 0:
-        return _body(width, length, across, along, tall)
     sides = (tall,) * 4
+    if height < 0:
+        return _body(width, length, tall, edition=edition)
     if width == 0 and length == 0 and height == 0:
         return Opening()
     if width < 0 or length < 0:
@@ -23,19 +38,18 @@ def opening_of(width: float, length: float, height: float) -> Opening:
     return Opening("rectangle", along, across, sides)
 
 
-def _body(width: float, length: float, across: float, along: float, tall: float) -> Opening:
+def _body(width: float, length: float, tall: float, *, edition: int) -> Opening:
     """Shapes with a negative height: spheres, lying tubes, upright discs."""
-    sides = (tall,) * 4
+    across, along, sides = abs(width), abs(length), (tall,) * 4
+    early = edition < 2002
     if width > 0 and length > 0:
         return Opening("rectangle", along, across, sides)
-    if length > 0:
+    if length > 0 and not (early and width < 0):
         return Opening("tube_c0", along, across or tall, sides)
-    if width > 0:
+    if width > 0 and not (early and length < 0):
         return Opening("tube_c90", along or tall, across, sides)
-    if width < 0 and length < 0:
-        return Opening("ellipsoid", along, across, sides)
-    if width < 0 and across == tall and length == 0:
-        return Opening("ellipsoid", 0.0, across, sides)
+    if early and length == 0 and width < 0:
+        return Opening("ellipsoid", across, across, sides)
     return Opening("ellipsoid", along, across, sides)
 
 

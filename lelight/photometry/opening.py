@@ -103,17 +103,20 @@ def _ellipsoid(opening: Opening, x: FloatArray, y: FloatArray, z: FloatArray) ->
     return np.asarray(math.pi / 4 * np.sqrt((b * h * x) ** 2 + (a * h * y) ** 2 + (a * b * z) ** 2))
 
 
-def _tube(length: float, diameter: float, along: FloatArray) -> FloatArray:
-    sine = np.sqrt(np.maximum(0.0, 1.0 - along**2))
-    return np.asarray(length * diameter * sine + math.pi / 4 * diameter**2 * np.abs(along))
+def _tube(
+    length: float, width: float, height: float, along: FloatArray, across: FloatArray, z: FloatArray
+) -> FloatArray:
+    """Lying cylinder whose ends are ellipses: its silhouette is as wide as theirs."""
+    side = length * np.hypot(height * across, width * z)
+    return np.asarray(side + math.pi / 4 * width * height * np.abs(along))
 
 
 def _tube_c0(opening: Opening, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-    return _tube(opening.along_c0, opening.along_c90, x)
+    return _tube(opening.along_c0, opening.along_c90, opening.height, x, y, z)
 
 
 def _tube_c90(opening: Opening, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-    return _tube(opening.along_c90, opening.along_c0, y)
+    return _tube(opening.along_c90, opening.along_c0, opening.height, y, x, z)
 
 
 #: Projected area of an opening along unit directions x (C0), y (C90), z (down).

@@ -110,9 +110,12 @@ class Numbers:
     ----------
     first : index of the first line to read
     decimal_comma : True where a comma inside a number is its decimal sign, not a separator
+    tails : True where words behind a line's numbers are remarks; else only those behind a semicolon are
     """
 
-    def __init__(self, text: TextFile, first: int, *, decimal_comma: bool = False) -> None:
+    def __init__(
+        self, text: TextFile, first: int, *, decimal_comma: bool = False, tails: bool = False
+    ) -> None:
         self.text = text
         self.values = array("d")
         self.line_numbers = array("l")
@@ -121,10 +124,16 @@ class Numbers:
         self.position = 0
         split = _WHITE if decimal_comma else _SEPARATORS
         for index in range(first, len(text.lines)):
-            if not self._read_line(split.split(text.lines[index]), index + 1, decimal_comma):
+            word = self._read_line(split.split(text.lines[index]), index + 1, decimal_comma)
+            if word is None:
+                continue
+            begins = not self.values or self.line_numbers[-1] != index + 1
+            if begins or not (tails or ";" in text.lines[index].split(word, 1)[0]):
+                self.stopped_by, self.stopped_at = word, index + 1
                 break
 
-    def _read_line(self, tokens: list[str], line: int, decimal_comma: bool) -> bool:
+    def _read_line(self, tokens: list[str], line: int, decimal_comma: bool) -> str | None:
+        """Keep the numbers that a line begins with; returns the word after them, None where there is none."""
         for token in tokens:
             plain = token.replace(",", ".") if decimal_comma else token
             found = parse_number(plain) if plain else None
@@ -132,9 +141,8 @@ class Numbers:
                 self.values.append(found)
                 self.line_numbers.append(line)
             elif plain:
-                self.stopped_by, self.stopped_at = token, line
-                return False
-        return True
+                return token
+        return None
 
     @property
     def left(self) -> int:

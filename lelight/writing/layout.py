@@ -104,7 +104,7 @@ def _edges(scene: Scene) -> FloatArray:
 
 def _drawn(sheet: _Sheet, lamp: Luminaire) -> list[str]:
     x, y = sheet.at(lamp.position)
-    label = f'<text x="{x + 6:.1f}" y="{y - 6:.1f}">{escape(_legible(lamp.name))}</text>'
+    label = _label(sheet, lamp)
     if not isinstance(lamp, PhotometricLuminaire):
         return [f'<circle class="opening" cx="{x:.1f}" cy="{y:.1f}" r="4"/>', label]
     outline = " ".join(f"{a:.1f},{b:.1f}" for a, b in map(sheet.at, opening_outline(lamp)))
@@ -114,6 +114,18 @@ def _drawn(sheet: _Sheet, lamp: Luminaire) -> list[str]:
         sheet.arrow(lamp.position, lamp.aim, "aim"),
         label,
     ]
+
+
+def _label(sheet: _Sheet, lamp: Luminaire) -> str:
+    """Name beside the luminaire, below whatever its arrows point at."""
+    x, y = sheet.at(lamp.position)
+    drop = 0.0
+    if isinstance(lamp, PhotometricLuminaire):
+        low = min(float(corner[1]) for corner in opening_outline(lamp))
+        low = min(low, float(lamp.position[1] + sheet.length * min(lamp.axes[0][1], lamp.aim[1], 0.0)))
+        drop = sheet.scale * (float(lamp.position[1]) - low)
+    name = escape(_legible(lamp.name))
+    return f'<text x="{x:.1f}" y="{y + drop + 14:.1f}" text-anchor="middle">{name}</text>'
 
 
 def _legible(name: str) -> str:
@@ -135,8 +147,15 @@ def opening_outline(lamp: PhotometricLuminaire) -> FloatArray:
 
 
 def _legend(sheet: _Sheet) -> Sequence[str]:
+    """Say what colours mean, and draw a bar of round length."""
     y = sheet.height - 18
+    span = 0.25 * SIDE / sheet.scale
+    decade = 10.0 ** np.floor(np.log10(span))
+    bar = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= span)
+    x1, x2 = sheet.width - MARGIN - sheet.scale * bar, sheet.width - MARGIN
     return [
+        f'<path d="M{x1:.1f} {y - 26:.0f} v6 H{x2:.1f} v-6" fill="none" stroke="#222"/>',
+        f'<text x="{(x1 + x2) / 2:.1f}" y="{y - 26:.0f}" text-anchor="middle">{bar:g} m</text>',
         f'<text x="{MARGIN:.0f}" y="{y:.0f}">seen from above, x right, y up; red: C0 half-plane; '
-        "blue, dashed: γ = 0 (a dot where it points along the view); yellow: luminous opening</text>"
+        "blue, dashed: γ = 0 (a dot where it points along the view); yellow: luminous opening</text>",
     ]

@@ -9,16 +9,18 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from lelight.reports.figures.drawing import ACCENT, FAINT, axes_in, drawing, plain_axes
 from lelight.reports.figures.scales import LogScale, plain_number
 from lelight.reports.pictures import LuminancePicture
+from lelight.reports.texts import Texts
 
-WIDTH, HEIGHT = 112.0, 48.0
+WIDTH, HEIGHT = 104.0, 44.0
 POINTS = 400
 
 
-def cumulative_distribution(picture: LuminancePicture, scale: LogScale) -> bytes:
+def cumulative_distribution(picture: LuminancePicture, scale: LogScale, texts: Texts) -> bytes:
     """Draw the share of the view in per cent that is not brighter than a luminance."""
     luminance, shares = picture.distribution()
     # Where the curve is read off: evenly along the axis, not along the pixels.
-    at = np.geomspace(scale.smallest, scale.largest, POINTS)
+    largest = max(scale.largest, float(luminance[-1]))
+    at = np.geomspace(scale.smallest, largest, POINTS)
     places = np.searchsorted(luminance, at, side="right")
     reached = np.concatenate([[0.0], shares])[places]
 
@@ -27,8 +29,8 @@ def cumulative_distribution(picture: LuminancePicture, scale: LogScale) -> bytes
         plain_axes(axes)
         axes.fill_between(at, 100.0 * reached, color=ACCENT, alpha=0.12, linewidth=0)
         axes.plot(at, 100.0 * reached, color=ACCENT, linewidth=1.0)
-        axes.set(xscale="log", xlim=(scale.smallest, scale.largest), ylim=(0, 100))
-        axes.set(xlabel="luminance in cd/m²", ylabel="share of the view in %", yticks=[0, 25, 50, 75, 100])
+        axes.set(xscale="log", xlim=(scale.smallest, largest), ylim=(0, 100))
+        axes.set(xlabel=texts["axis_luminance"], ylabel=texts["axis_share"], yticks=[0, 25, 50, 75, 100])
         axes.xaxis.set_major_formatter(FuncFormatter(lambda tick, _: plain_number(tick)))
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.grid(color=FAINT, linewidth=0.3, alpha=0.5)

@@ -16,6 +16,8 @@ PIXEL_DENSITY = 200
 INK = "#1c2430"
 FAINT = "#8a93a0"
 ACCENT = "#12436d"
+#: Luminaires, and outlines of surfaces that emit; the latter does not occur in the false colours of illuminance.
+LAMP, SHINING = "#ffb000", "#d81b78"
 
 #: Text is measured with STIX, which is as wide as the face that sets it: Libertinus, which Typst carries.
 MEASURED_FACE, SET_FACE = b"STIXGeneral", b"Libertinus Serif"

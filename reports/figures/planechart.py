@@ -14,6 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from lelight.reports.figures.drawing import axes_in, drawing
 from lelight.reports.figures.scales import ILLUMINANCE_COLOURS, colour_bar, en_steps, plain_number
 from lelight.reports.planegrid import PlaneGrid
+from lelight.reports.texts import Texts
 from lelight.scene import FloatArray
 
 LEFT, RIGHT, BOTTOM, TOP = 12.0, 22.0, 10.0, 7.0
@@ -22,8 +23,10 @@ POINTS_PER_MILLIMETRE = 72.0 / 25.4
 SMALLEST_TYPE, LARGEST_TYPE = 4.5, 8.0
 #: Share of a cell's width and height that its number may take, and the width of a digit in em.
 FILLED_WIDTH, FILLED_HEIGHT, DIGIT_WIDTH = 0.86, 0.7, 0.5
-#: Isolines at fewer steps of EN 12464-1 than this tell nothing; even steps are drawn instead.
-FEWEST_STEPS = 2
+#: Isolines at fewer steps of EN 12464-1 than this tell little; about so many even steps are drawn beside them.
+FEWEST_STEPS, EVEN_STEPS = 3, 6
+#: Widths in points of lines at steps of the standard and at even steps.
+LINE_WIDTHS = (1.2, 0.5)
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ class Sheet:
         return cls(side[0] * scale, side[1] * scale, scale)
 
 
-def value_chart(grid: PlaneGrid, sheet: Sheet) -> bytes:
+def value_chart(grid: PlaneGrid, sheet: Sheet, texts: Texts) -> bytes:
     """Draw the grid's cells in false colour with the illuminance in lx written in each."""
 
     def paint(axes: Axes, norm: Normalize) -> None:
@@ -52,10 +55,10 @@ def value_chart(grid: PlaneGrid, sheet: Sheet) -> bytes:
         )
         _write_numbers(axes, grid, norm, size=number_size(grid, sheet))
 
-    return _chart(grid, sheet, paint)
+    return _chart(grid, sheet, texts, paint)
 
 
-def isoline_chart(grid: PlaneGrid, sheet: Sheet) -> bytes:
+def isoline_chart(grid: PlaneGrid, sheet: Sheet, texts: Texts) -> bytes:
     """Draw the illuminance between the grid's points in false colour, with isolines in lx."""
 
     def paint(axes: Axes, norm: Normalize) -> None:
@@ -66,12 +69,14 @@ def isoline_chart(grid: PlaneGrid, sheet: Sheet) -> bytes:
         axes.contourf(x, y, illuminance, levels=shades, cmap=ILLUMINANCE_COLOURS, norm=norm).set_rasterized(
             True
         )
-        levels = isolines(grid.illuminance)
-        legible = [_legible_on(norm, level) for level in levels]
-        lines = axes.contour(x, y, illuminance, levels=levels, colors=legible, linewidths=0.8)
-        axes.clabel(lines, fmt=plain_number, fontsize=7)
+        for levels, width in zip(isolines(grid.illuminance), LINE_WIDTHS, strict=True):
+            if not levels:
+                continue
+            legible = [_legible_on(norm, level) for level in levels]
+            lines = axes.contour(x, y, illuminance, levels=levels, colors=legible, linewidths=width)
+            axes.clabel(lines, fmt=plain_number, fontsize=7)
 
-    return _chart(grid, sheet, paint)
+    return _chart(grid, sheet, texts, paint)
 
 
 def number_size(grid: PlaneGrid, sheet: Sheet) -> float:
@@ -82,41 +87,42 @@ def number_size(grid: PlaneGrid, sheet: Sheet) -> float:
     return size if size >= SMALLEST_TYPE else 0.0
 
 
-def isolines(illuminance: FloatArray) -> list[float]:
-    """Levels in lx: the steps of EN 12464-1 between the extremes, or even steps where those are too few.
+def isolines(illuminance: FloatArray) -> tuple[list[float], list[float]]:
+    """Levels in lx: the steps of EN 12464-1 between the extremes, and even steps where those are too few.
 
-    The list is empty where there is nothing to interpolate: one row, one column or one value.
+    Both lists are empty where there is nothing to interpolate: one row, one column or one value.
     """
     smallest, largest = float(illuminance.min()), float(illuminance.max())
     if min(illuminance.shape) < 2 or not smallest < largest:
-        return []
+        return [], []
     steps = en_steps(max(smallest, 1e-3 * largest), largest)
-    between = [step for step in steps if smallest < step < largest]
-    if len(between) < FEWEST_STEPS:
-        steps = tuple(MaxNLocator(6).tick_values(smallest, largest))
-    return [float(step) for step in steps if smallest < step < largest]
+    of_standard = [step for step in steps if smallest < step < largest]
+    if len(of_standard) >= FEWEST_STEPS:
+        return of_standard, []
+    even = MaxNLocator(EVEN_STEPS).tick_values(smallest, largest)
+    between = [float(step) for step in even if smallest < step < largest and step not in of_standard]
+    return of_standard, between
 
 
-def isoline_statement(illuminance: FloatArray) -> str:
+def isoline_statement(illuminance: FloatArray, texts: Texts) -> str:
     """Say at which levels the isolines are."""
-    levels = isolines(illuminance)
-    if all(level in en_steps(level, level) for level in levels):
-        return "at the steps of EN 12464-1"
-    return (
-        f"every {plain_number(levels[1] - levels[0])} lx"
-        if len(levels) > 1
-        else f"at {plain_number(levels[0])} lx"
+    of_standard, between = isolines(illuminance)
+    if not between:
+        return texts["steps_of_en"]
+    even = np.unique(
+        np.round(np.diff(MaxNLocator(EVEN_STEPS).tick_values(illuminance.min(), illuminance.max())), 9)
     )
+    return texts.filled("steps_both" if of_standard else "steps_every", step=plain_number(float(even[0])))
 
 
-def _chart(grid: PlaneGrid, sheet: Sheet, paint: Callable[[Axes, Normalize], None]) -> bytes:
+def _chart(grid: PlaneGrid, sheet: Sheet, texts: Texts, paint: Callable[[Axes, Normalize], None]) -> bytes:
     norm = Normalize(*_limits(grid.illuminance))
 
     def paint_all(figure: Figure) -> None:
         axes = axes_in(figure, left=LEFT, bottom=BOTTOM, width=sheet.width, height=sheet.height)
         side = _sides(grid)
         axes.set(xlim=(0.0, side[0]), ylim=(0.0, side[1]))
-        axes.set(xlabel="along the first edge in m", ylabel="along the second edge in m")
+        axes.set(xlabel=texts["axis_first"], ylabel=texts["axis_second"])
         paint(axes, norm)
         bar_height = max(sheet.height, 15.0)
         bar = axes_in(figure, left=LEFT + sheet.width + 4.0, bottom=BOTTOM, width=4.0, height=bar_height)
