@@ -12,8 +12,9 @@ import numpy as np
 from numba import njit
 
 from lelight.scene import BoolArray, FloatArray
+from lelight.tracing.distributions import table_intensity
 from lelight.tracing.emitters import Emitters
-from lelight.tracing.lamps import lamp_importance, unshadowed_lamp
+from lelight.tracing.lamps import lamp_importance, seen_importance, unshadowed_lamp
 from lelight.tracing.sampling import Vector
 from lelight.tracing.triangles import (
     sample_triangle,
@@ -95,6 +96,8 @@ def rough_cdfs(emitters: Emitters, points: FloatArray, normals: FloatArray, cdfs
     handing the emitters on costs more than a place does.
     """
     sketch, corners = emitters.sketch, emitters.corners
+    positions, tables, axes, sizes = emitters.positions, emitters.tables, emitters.axes, emitters.sizes
+    distributions, strengths = emitters.distributions, _strengths(emitters)
     triangles, count = len(corners), len(sketch)
     if count > LOCAL_CHOICE_LIMIT:
         cdfs[:] = emitters.power_cdf
@@ -106,11 +109,36 @@ def rough_cdfs(emitters: Emitters, points: FloatArray, normals: FloatArray, cdfs
         for s in range(triangles):
             total += _rough_importance(sketch, corners, s, x, y, z, nx, ny, nz)
             cdfs[k, s] = total
-        for s in range(triangles, count):
-            total += lamp_importance(emitters, s - triangles, x, y, z, nx, ny, nz, True)
-            cdfs[k, s] = total
+        for p in range(count - triangles):
+            dx, dy, dz = positions[p, 0] - x, positions[p, 1] - y, positions[p, 2] - z
+            rise = dx * nx + dy * ny + dz * nz
+            distance = max(math.sqrt(dx * dx + dy * dy + dz * dz), 1e-12)
+            t, intensity, peak = tables[p], 1.0, 1.0
+            if t >= 0:
+                peak = distributions.peak[t]
+                intensity = table_intensity(
+                    distributions,
+                    t,
+                    -(dx * axes[p, 0, 0] + dy * axes[p, 0, 1] + dz * axes[p, 0, 2]) / distance,
+                    -(dx * axes[p, 1, 0] + dy * axes[p, 1, 1] + dz * axes[p, 1, 2]) / distance,
+                    -(dx * axes[p, 2, 0] + dy * axes[p, 2, 1] + dz * axes[p, 2, 2]) / distance,
+                )
+            total += strengths[p] * seen_importance(distance, rise, sizes[p], intensity, peak)
+            cdfs[k, triangles + p] = total
         for s in range(count if total > 0.0 else 0):
             cdfs[k, s] /= total
+
+
+@njit(**_COMPILED)
+def _strengths(emitters: Emitters) -> FloatArray:
+    """Power over the flux of its table for each point (P,): what its intensities are multiplied by."""
+    strengths = np.zeros(len(emitters.positions))
+    for p in range(len(strengths)):
+        t = emitters.tables[p]
+        flux = 4.0 * math.pi if t < 0 else emitters.distributions.flux[t]
+        if flux > 0.0:
+            strengths[p] = emitters.power[len(emitters.areas) + p] / flux
+    return strengths
 
 
 @njit(**_COMPILED)

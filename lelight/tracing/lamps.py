@@ -65,27 +65,36 @@ def lamp_importance(
 ) -> float:
     """Illuminance times pi that point ``p`` gives were nothing in between, roughly so where it is near."""
     dx, dy, dz = emitters.positions[p, 0] - x, emitters.positions[p, 1] - y, emitters.positions[p, 2] - z
-    square = dx * dx + dy * dy + dz * dz
-    size = emitters.sizes[p]
+    distance = math.sqrt(dx * dx + dy * dy + dz * dz)
     t = emitters.tables[p]
-    if square <= 0.0 and size <= 0.0:
+    flux = 4.0 * math.pi if t < 0 else emitters.distributions.flux[t]
+    peak = 1.0 if t < 0 else emitters.distributions.peak[t]
+    if not (distance > 0.0 or emitters.sizes[p] > 0.0) or not flux > 0.0:
         return 0.0
-    distance = max(math.sqrt(square), 1e-12)
-    rise = (dx * nx + dy * ny + dz * nz) if on_surface else distance
+    far = max(distance, 1e-12)
+    return float(
+        seen_importance(
+            far,
+            (dx * nx + dy * ny + dz * nz) if on_surface else far,
+            emitters.sizes[p],
+            lamp_intensity(emitters, p, -dx / far, -dy / far, -dz / far),
+            peak,
+        )
+        * (emitters.power[len(emitters.areas) + p] / flux)
+    )
+
+
+@njit(**_COMPILED)
+def seen_importance(distance: float, rise: float, size: float, intensity: float, peak: float) -> float:
+    """`lamp_importance` for a factor of 1, from how a luminaire is seen: distance and rise over the surface in m."""
     near = distance < NEAR_SIZES * size
     if rise + (size if near else 0.0) <= 0.0:
         return 0.0
-    cosine = max(rise / distance, LOW) if near else rise / distance
-    flux = 4.0 * math.pi if t < 0 else emitters.distributions.flux[t]
-    if not flux > 0.0:
-        return 0.0
-    power = emitters.power[len(emitters.areas) + p]
-    intensity = lamp_intensity(emitters, p, -dx / distance, -dy / distance, -dz / distance)
+    cosine, spread = rise / distance, distance * distance
     if near:
-        intensity = max(intensity, DIM * emitters.distributions.peak[t])
-    return float(
-        math.pi * power / flux * intensity * cosine / (square + (size * size / math.pi if near else 0.0))
-    )
+        cosine, spread = max(cosine, LOW), spread + size * size / math.pi
+        intensity = max(intensity, DIM * peak)
+    return math.pi * intensity * cosine / spread
 
 
 @njit(**_COMPILED)
