@@ -32,6 +32,8 @@ FEW_WALKS = (2, 32)
 MANY_WALKS = (4, 96)
 #: How near a node lies to a surface that it touches, in distances at which rays start.
 TOUCHING = 2.5
+#: How far such a node steps toward the middle of a triangle, and the rays that tell how much room is above.
+STEP_ASIDE, LOG2_ROOM_RAYS = 0.1, 5
 #: Shadow rays to the emitters, as power of two, from places that no walk found light for: a slit as wide as a
 #: pixel lets one of a few hundred through.
 LOG2_SLIT_RAYS = 10
@@ -70,6 +72,43 @@ def buried(world: World, mesh: NodeMesh, *, seed: int, executor: Executor) -> Bo
     dark[dark] = ~_reached(world, receivers[dark], MANY_WALKS, (seed, 3), executor)
     dark[dark] = ~_seen_through_slits(world, receivers[dark], (seed, 5), executor)
     return dark
+
+
+def stepped_aside(world: World, mesh: NodeMesh) -> NodeMesh:
+    """Move nodes that lie on another surface a little way into that triangle around them which has most room above.
+
+    A floor patch that runs on under a cupboard has nodes in the plane of its front: one step out there is the
+    room's light, one step in the dark.
+    """
+    touched = np.flatnonzero(touching(world, mesh))
+    if not len(touched):
+        return mesh
+    triangle, corner = np.nonzero(np.isin(mesh.triangles, touched))
+    node = mesh.triangles[triangle, corner]
+    middles = mesh.vertices[mesh.triangles[triangle]].mean(axis=1)
+    places = mesh.positions[node] + STEP_ASIDE * (middles - mesh.positions[node])
+    moved = replace(
+        mesh, **{name: getattr(mesh, name)[node] for name in ("normals", "frames_x")}, positions=places
+    )
+    room = np.where(touching(world, moved), -1.0, _room_above(world, moved))
+    best = np.lexsort((room, node))
+    best = best[np.append(node[best][1:] != node[best][:-1], True)]
+    best = best[room[best] >= 0.0]
+    positions = mesh.positions.copy()
+    positions[node[best]] = places[best]
+    return replace(mesh, positions=positions)
+
+
+def _room_above(world: World, mesh: NodeMesh) -> FloatArray:
+    """Mean distance (n,) in m that light can come from over each place."""
+    places = with_surface(space_receivers(mesh.positions, mesh.normals))
+    origins, directions, owner = hemisphere_rays(
+        world, places, samples=Stretch.of(LOG2_ROOM_RAYS), seed=(0, 6)
+    )
+    hits = world.caster.closest(origins, directions)
+    reach = np.linalg.norm(hits.points - origins, axis=1)
+    reach[hits.triangle < 0] = 2.0 / world.caster.scale
+    return np.asarray(np.bincount(owner, reach, minlength=len(places)) / 2**LOG2_ROOM_RAYS)
 
 
 def touching(world: World, mesh: NodeMesh) -> BoolArray:

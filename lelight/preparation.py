@@ -23,7 +23,7 @@ from lelight.mesh.probes import Probes, draw_probes
 from lelight.mesh.refinement import refine
 from lelight.mesh.remesh import default_edge, remesh
 from lelight.metrics.grid import grid_points
-from lelight.pilot import buried, lit_sides, touching
+from lelight.pilot import buried, lit_sides, stepped_aside, touching
 from lelight.places import Places, further_places
 from lelight.plan import Decision, Plan, make_plan
 from lelight.receivers import Receivers, joined, space_receivers, surface_receivers, with_surface
@@ -156,7 +156,7 @@ def _seen_nodes(
     executor: Executor,
 ) -> tuple[NodeMesh, BoolArray]:
     """Place nodes on the lit sides (n_patches, 2), hide the buried and crowded; a side with no other is not lit."""
-    mesh = node_mesh(surface, lit)
+    mesh = stepped_aside(world, node_mesh(surface, lit))
     hidden = buried(world, mesh, seed=settings.seed, executor=executor)
     hidden |= _spared(mesh, touching(world, mesh) & ~hidden)
     taken = crowded(world, mesh, labels)
@@ -165,7 +165,7 @@ def _seen_nodes(
     seen = np.zeros_like(lit)
     seen[mesh.patches[~hidden], np.where(mesh.sides[~hidden] > 0, 0, 1)] = True
     kept = seen[mesh.patches, np.where(mesh.sides > 0, 0, 1)]
-    return hide(node_mesh(surface, seen), hidden[kept]), seen
+    return hide(replace(node_mesh(surface, seen), positions=mesh.positions[kept]), hidden[kept]), seen
 
 
 def _spared(mesh: NodeMesh, mask: BoolArray) -> BoolArray:

@@ -12,6 +12,7 @@ from lelight.errors import OutputError
 from lelight.reports.folder import CALC
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.writing.polydata import read_polydata
+from lelight.writing.views import partly_seen, shown_values
 
 #: cos of the steepest slope that still counts as facing up.
 UPWARD = 0.5
@@ -42,20 +43,12 @@ class LitMesh:
     @property
     def lit(self) -> BoolArray:
         """(m,) bool: triangles with a corner that is not hidden."""
-        return np.asarray(~self.hidden[self.triangles].all(axis=1))
+        return partly_seen(self.triangles, self.hidden)
 
     @property
     def shown(self) -> FloatArray:
         """(n,) illuminance in lx; a hidden node takes the mean of its visible neighbours, whose triangles are shown."""
-        corners = self.triangles[self.lit]
-        seen = ~self.hidden[corners]
-        values = np.where(seen, self.illuminance[corners], 0.0)
-        total, count = np.zeros(len(self.points)), np.zeros(len(self.points))
-        for corner in range(3):
-            np.add.at(total, corners[:, corner], values.sum(axis=1))
-            np.add.at(count, corners[:, corner], seen.sum(axis=1))
-        around = np.divide(total, count, out=np.zeros_like(total), where=count > 0)
-        return np.asarray(np.where(self.hidden, around, self.illuminance))
+        return shown_values(self.triangles, self.illuminance, self.hidden)
 
     @property
     def upward(self) -> IntArray:

@@ -170,7 +170,7 @@ def test_the_verdict_does_not_depend_on_the_threads():
     assert np.array_equal(*verdicts)
 
 
-def test_a_node_in_the_plane_of_a_cupboard_s_front_is_hidden_and_its_neighbours_are_not():
+def test_a_node_in_the_plane_of_a_cupboard_s_front_steps_out_into_the_room():
     """A cupboard 1 m wide stands on the floor against a wall; nodes of the floor's grid lie under its edges."""
     cupboard = placed(box((1.0, 0.5, 1.0)), shift=(1.0, 0.0, 0.0))
     cupboard = cupboard[0], cupboard[1][:, ::-1]
@@ -180,12 +180,19 @@ def test_a_node_in_the_plane_of_a_cupboard_s_front_is_hidden_and_its_neighbours_
         materials=[grey("walls", 0.5), grey("wood", 0.3)],
         luminaires=(lamp((2.0, 1.5, 2.0)),),
     )
-    mesh = calculate(scene, Settings(edge=0.5, batches=2, target=0.5)).field.mesh
+    field = calculate(scene, Settings(edge=0.5, batches=2, target=0.5)).field
+    mesh = field.mesh
     floor = (mesh.vertices[:, 2] == 0.0) & (mesh.normals[:, 2] == 1.0)
     x, y = mesh.vertices[:, 0], mesh.vertices[:, 1]
     in_front = floor & (y == 0.5) & (x >= 1.0) & (x <= 2.0)
     beside = floor & np.isin(x, [1.0, 2.0]) & (y < 0.5)
     under = floor & (x > 1.0) & (x < 2.0) & (y < 0.5)
     assert (in_front.sum(), beside.sum(), under.sum()) == (3, 2, 1)
-    assert mesh.hidden[in_front | beside | under].all()
-    assert not mesh.hidden[floor & ~(in_front | beside | under)].any()
+    at_edges = in_front | beside
+    outside = (mesh.positions[:, 1] > 0.5) | (mesh.positions[:, 0] < 1.0) | (mesh.positions[:, 0] > 2.0)
+    assert outside[at_edges].all()
+    assert np.all(np.abs(mesh.positions - mesh.vertices)[at_edges].max(axis=1) < 0.1)
+    assert mesh.hidden[under].all()
+    assert not mesh.hidden[floor & ~under].any()
+    # The lamp shines past the front from its middle and past the sides from in front of them.
+    assert field.illuminance[in_front].min() > 0.3 * field.illuminance[floor & ~under].mean()

@@ -12,7 +12,7 @@ from matplotlib import colormaps
 from lelight.mesh.nodes import NodeMesh
 from lelight.results import NodeValues
 from lelight.writing import views
-from lelight.writing.views import robust_range, visible_triangles, write_overview
+from lelight.writing.views import partly_seen, robust_range, shown_values, write_overview
 from lelight.writing.vtkfiles import write_field
 
 GL_HINT = "libegl1 or libosmesa6"
@@ -107,7 +107,10 @@ def test_the_range_of_a_flat_or_empty_field_still_spans_something():
         assert lower < upper
 
 
-def test_triangles_with_a_hidden_node_are_left_out():
-    triangles = np.array([[0, 1, 2], [1, 2, 3], [2, 3, 4]])
-    hidden = np.array([True, False, False, False, False])
-    np.testing.assert_array_equal(visible_triangles(triangles, hidden), triangles[1:])
+def test_hidden_nodes_are_shown_by_their_visible_neighbours():
+    """And triangles that have none are not shown."""
+    triangles = np.array([[0, 1, 2], [1, 2, 3], [0, 4, 5]])
+    hidden = np.array([True, False, False, False, True, True])
+    values = np.array([0.0, 10.0, 20.0, 30.0, 0.0, 0.0])
+    np.testing.assert_array_equal(partly_seen(triangles, hidden), [True, True, False])
+    np.testing.assert_array_equal(shown_values(triangles, values, hidden), [15, 10, 20, 30, 0, 0])

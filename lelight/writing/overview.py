@@ -9,7 +9,7 @@ import numpy as np
 import pyvista
 
 from lelight.writing.polydata import read_polydata
-from lelight.writing.views import robust_range, visible_triangles
+from lelight.writing.views import partly_seen, robust_range, shown_values
 
 WINDOW = (1400, 1000)
 
@@ -60,10 +60,9 @@ def _surface(field_file: Path) -> pyvista.PolyData:
     corners, illuminance = content.point_arrays["corner_m"], content.point_arrays["illuminance_lx"]
     hidden = content.point_arrays["hidden"] != 0
     centre = (corners.min(axis=0) + corners.max(axis=0)) / 2
-    surface = pyvista.PolyData.from_regular_faces(
-        corners - centre, visible_triangles(content.polygons, hidden)
-    )
-    surface["illuminance"] = illuminance
+    seen = content.polygons[partly_seen(content.polygons, hidden)]
+    surface = pyvista.PolyData.from_regular_faces(corners - centre, seen)
+    surface["illuminance"] = shown_values(content.polygons, illuminance, hidden)
     surface.field_data["range"] = robust_range(illuminance, hidden)
     return surface
 

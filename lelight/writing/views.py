@@ -49,9 +49,26 @@ def robust_range(illuminance: FloatArray, hidden: BoolArray) -> tuple[float, flo
     return (lower, upper) if upper > lower else (lower, lower + max(abs(lower), 1.0) * 1e-3)
 
 
-def visible_triangles(triangles: IntArray, hidden: BoolArray) -> IntArray:
-    """Triangles (m, 3) without those that touch a hidden node, whose values mean nothing."""
-    return np.asarray(triangles[~hidden[triangles].any(axis=1)])
+def partly_seen(triangles: IntArray, hidden: BoolArray) -> BoolArray:
+    """Triangles (m,) of nodes (m, 3) with a corner that is not hidden."""
+    return np.asarray(~hidden[triangles].all(axis=1))
+
+
+def shown_values(triangles: IntArray, values: FloatArray, hidden: BoolArray) -> FloatArray:
+    """Values (n,) for pictures: hidden nodes, whose own mean nothing, take the mean of their visible neighbours'.
+
+    Parameters
+    ----------
+    triangles : (m, 3) int into nodes
+    """
+    corners = triangles[partly_seen(triangles, hidden)]
+    seen = ~hidden[corners]
+    found = np.where(seen, values[corners], 0.0)
+    count = len(values)
+    total = np.bincount(corners.ravel(), np.repeat(found.sum(axis=1), 3), minlength=count)
+    number = np.bincount(corners.ravel(), np.repeat(seen.sum(axis=1), 3), minlength=count)
+    around = np.divide(total, number, out=np.zeros_like(total), where=number > 0)
+    return np.asarray(np.where(hidden, around, values))
 
 
 def _draw_in_child(field_file: Path, path: Path) -> str | None:
