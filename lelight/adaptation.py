@@ -10,6 +10,7 @@ from concurrent.futures import Executor
 
 import numpy as np
 
+from lelight.channels import luminance_weighted
 from lelight.estimate.direct import direct_light, with_clear_share
 from lelight.mesh.nearest import nearest_points
 from lelight.mesh.nodes import NodeMesh
@@ -60,6 +61,6 @@ def _direct(
     def part(own: Receivers) -> FloatArray:
         shared = with_clear_share(world, own, seed=(seed, 21))
         moments, _ = direct_light(world, shared, samples=Stretch.of(LOG2_RAYS), seed=(seed, 22))
-        return np.asarray(moments[:, ILLUMINANCE] @ world.emitters.weights)
+        return luminance_weighted(moments[:, ILLUMINANCE])
 
     return np.concatenate([np.zeros(0), *executor.map(part, receivers.chunks(CHUNK))])

@@ -10,11 +10,13 @@ from __future__ import annotations
 import math
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from lelight.estimate.direct import direct_light
+from lelight.estimate.gmres import gmres
 from lelight.estimate.nearfield import hemisphere_rays
 from lelight.mesh.locate import Locator
 from lelight.mesh.nodes import NodeMesh
@@ -137,21 +139,23 @@ def _stacked(parts: list[csr_array], columns: int) -> csr_array:
 def _solved(operator: csr_array, direct: FloatArray, albedo: FloatArray) -> FloatArray:
     """Find the fixed point e = direct + A (albedo e), (n, C), channel by channel.
 
-    Saad & Schultz, "GMRES: a generalized minimal residual algorithm", SIAM J. Sci. Stat. Comput. 7 (1986):
-    walls that reflect nearly all need a few dozen steps, where plain iteration needs thousands.
+    Walls that reflect nearly all need a few dozen steps of GMRES, where plain iteration needs thousands.
     """
-    from scipy.sparse.linalg import LinearOperator, gmres
-
     illuminance = np.empty_like(direct)
     for c in range(direct.shape[1]):
         scale = float(direct[:, c].max(initial=0.0))
         own = direct[:, c] / scale if scale > 0.0 else direct[:, c]
-        reflectance = albedo[:, c]
-        equation = LinearOperator(
-            operator.shape,
-            matvec=lambda e, r=reflectance: e - operator @ (r * e),
-            dtype=np.float64,
+        found = gmres(
+            partial(_without_reflection, operator, albedo[:, c]),
+            own,
+            settled=SETTLED,
+            restart=RESTART,
+            most=MOST_RESTARTS,
         )
-        found, _ = gmres(equation, own, rtol=SETTLED, restart=RESTART, maxiter=MOST_RESTARTS)
         illuminance[:, c] = np.maximum(found, 0.0) * scale
     return illuminance
+
+
+def _without_reflection(operator: csr_array, albedo: FloatArray, illuminance: FloatArray) -> FloatArray:
+    """Take from an illuminance (n,) what is gathered from the others: e - A (albedo e)."""
+    return np.asarray(illuminance - operator @ (albedo * illuminance))

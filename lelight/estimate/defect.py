@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lelight.channels import luminance_weighted
 from lelight.estimate.base import BaseField
 from lelight.estimate.direct import drawn_illuminance, illuminance_and_density
 from lelight.estimate.nearfield import near_field
@@ -122,7 +123,7 @@ def _over_surface(
         world, receivers, samples=Stretch.of(LOG2_DEFECT_RAYS), seed=(*seed, DEFECT_DIRECT)
     )
     draws = 2**LOG2_DEFECT_RAYS
-    by_light = (light @ world.emitters.weights) / world.emitters.power.sum() if weighed else 0.0
+    by_light = luminance_weighted(light) / world.emitters.power.sum() if weighed else 0.0
     weight = 1.0 / (1.0 + area[owner] * by_light)
     # Draws that found no lamp stand for the rest alone, with their whole weight.
     defect = rest * (1.0 - np.bincount(owner, minlength=len(points)) / draws)[:, None]
@@ -144,7 +145,7 @@ def _by_light(
     last = len(emitters.power) - 1
     sources = np.minimum(np.searchsorted(emitters.power_cdf, points[alive, 0], side="right"), last)
     light, drawn = illuminance_and_density(world, sources, start.points, start.normals, start.incoming)
-    both_ways = density * drawn + light @ emitters.weights / emitters.power.sum()
+    both_ways = density * drawn + luminance_weighted(light) / emitters.power.sum()
     pair = np.divide(
         light + rest * drawn[:, None],
         both_ways[:, None],
