@@ -29,6 +29,12 @@ from lelight.receivers import Receivers
 from lelight.results import ObserverValues, PlaneValues
 from lelight.scene import Scene
 from lelight.settings import Settings
+from lelight.soundness import (
+    require_sound_base,
+    require_sound_batch,
+    require_sound_mesh,
+    require_sound_results,
+)
 
 #: Rays a second that a clock is taken to stand for, whatever the machine: the size of batches, and with it the
 #: result, depends on the time asked for only.
@@ -118,6 +124,9 @@ def calculate(
     with ThreadPoolExecutor(max_workers=settings.workers) as executor:
         try:
             stage = prepare(scene, settings, executor, keep)
+            require_sound_mesh(scene, stage.mesh)
+            if stage.base is not None:
+                require_sound_base(scene, stage.mesh, stage.base)
             return _estimate(scene, settings, stage, executor, progress=progress, keep=keep)
         except KeyboardInterrupt:
             executor.shutdown(wait=False, cancel_futures=True)
@@ -140,7 +149,7 @@ def _estimate(
     replicates = course.replicates
 
     def batch(replicate: int, doubling: int) -> Batch:
-        return estimate_batch(
+        found = estimate_batch(
             stage.world,
             receivers,
             effort=effort,
@@ -153,6 +162,8 @@ def _estimate(
             keep=keep,
             name=f"unit/{replicates.units}",
         )
+        require_sound_batch(scene, stage, found)
+        return found
 
     if course.convergence:
         progress(course.convergence[-1])
@@ -243,6 +254,9 @@ def _found(
     """Turn the sums of all batches into field, planes and eyes."""
     replicates, convergence = course.replicates, tuple(course.convergence)
     field = found_field(scene, stage, replicates, detail)
+    planes = found_on_planes(scene, stage, replicates)
+    observers = found_at_eyes(scene, stage, replicates)
+    require_sound_results(scene, field, planes, observers)
     clock.lap("fit")
     error = convergence[-1].error or ErrorReached(np.inf, np.inf, np.inf)
     return Calculation(
@@ -251,8 +265,8 @@ def _found(
         settings=settings,
         effort=effort,
         field=field,
-        planes=found_on_planes(scene, stage, replicates),
-        observers=found_at_eyes(scene, stage, replicates),
+        planes=planes,
+        observers=observers,
         replicates=replicates,
         error=error,
         target_met=error.in_targets(settings.target_error) <= 1.0,
