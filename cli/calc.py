@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from lelight.calculation import Calculation
+from lelight.cli.interruption import STOP
 from lelight.cli.options import SCENE, NamedPath, run_options
 from lelight.cli.progress import watched
 from lelight.pipelines.calc import run_calc
@@ -19,8 +20,9 @@ from lelight.settings import Settings
 @SCENE
 @click.option("-o", "--out", type=NamedPath(), help="Result folder. Default: SCENE's stem.lelight.")
 @run_options
+@click.option("--resume", is_flag=True, help="Go on where a run that was stopped or killed has come to.")
 @click.option("--quiet", is_flag=True, help="No progress and no summary.")
-def command(scene: Path, out: Path | None, *, quiet: bool, **chosen: Any) -> None:
+def command(scene: Path, out: Path | None, *, resume: bool, quiet: bool, **chosen: Any) -> None:
     """Compute the light in SCENE (an OBJ, or a TOML that names one) and write all results."""
     given = {name: value for name, value in chosen.items() if value is not None}
     warnings: list[str] = []
@@ -30,10 +32,15 @@ def command(scene: Path, out: Path | None, *, quiet: bool, **chosen: Any) -> Non
             out,
             settings=Settings(**given),
             given=given,
+            resume=resume,
+            stop=STOP,
             announce=announce,
+            tell=lambda text: click.echo(f"lelight: {text}", err=True),
             warn=warnings.append,
             progress=progress,
         )
+    if run is None:
+        return
     if not run.target_met:
         click.echo(
             f"lelight: warning: target {run.settings.target_error:.2%} not reached, got {run.error.rms:.2%}",

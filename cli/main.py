@@ -60,23 +60,28 @@ def group() -> None:
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; exit status 0 done, 1 failed, 2 misuse, 130 interrupted."""
-    end_in_time()
+    with end_in_time():
+        sys.exit(_status(arguments))
+
+
+def _status(arguments: list[str] | None) -> int:
+    """Run the command line and tell its exit status; errors that a user can cause become one line."""
     _show_what_the_terminal_can()
     try:
         status = group.main(arguments, prog_name="lelight", standalone_mode=False)
     except click.ClickException as error:
         error.show()
-        sys.exit(error.exit_code)
+        return error.exit_code
     except (click.Abort, KeyboardInterrupt):
         end()
     except LelightError as error:
-        _fail(str(error), 1)
+        return _failed(str(error))
     except MemoryError:
-        _fail("not enough memory; give a longer --edge or fewer glossy materials", 1)
+        return _failed("not enough memory; give a longer --edge or fewer glossy materials")
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        _fail(f"{where}{error.strerror or error}; check the disk and the permissions", 1)
-    sys.exit(status if isinstance(status, int) else 0)
+        return _failed(f"{where}{error.strerror or error}; check the disk and the permissions")
+    return status if isinstance(status, int) else 0
 
 
 def _show_what_the_terminal_can() -> None:
@@ -85,6 +90,7 @@ def _show_what_the_terminal_can() -> None:
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
-def _fail(message: str, status: int) -> None:
+def _failed(message: str) -> int:
+    """Say in one line what went wrong."""
     click.echo(f"lelight: {' '.join(message.split())}", err=True)
-    sys.exit(status)
+    return 1

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 import click
 
-from lelight.calculation import Standing
+from lelight.course import Standing
 
 Watch = tuple[Callable[[str], None], Callable[[Standing], None]]
 

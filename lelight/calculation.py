@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lelight.checkpoint.keeper import Keeper
 from lelight.clock import Clock
+from lelight.course import Course, Standing, course_form
 from lelight.estimate.angular import AngularDetail, angular_detail
 from lelight.estimate.batch import Batch, Effort, estimate_batch
 from lelight.estimate.effort import choose_effort
@@ -27,6 +29,12 @@ from lelight.receivers import Receivers
 from lelight.results import ObserverValues, PlaneValues
 from lelight.scene import Scene
 from lelight.settings import Settings
+from lelight.soundness import (
+    require_sound_base,
+    require_sound_batch,
+    require_sound_mesh,
+    require_sound_results,
+)
 
 #: Rays a second that a clock is taken to stand for, whatever the machine: the size of batches, and with it the
 #: result, depends on the time asked for only.
@@ -38,27 +46,6 @@ BATCHES_WITHOUT_DOUBLING = 12
 
 #: What follows a run: called after every batch.
 Progress = Callable[["Standing"], None]
-
-
-@dataclass(frozen=True)
-class Standing:
-    """Where a run stands.
-
-    Attributes
-    ----------
-    replicates, doublings : int; independent scrambles, and how often each has doubled its sequences
-    rays : int so far
-    seconds : float since the run began
-    error : reached so far, None before there are two replicates
-    target : float
-    """
-
-    replicates: int
-    doublings: int
-    rays: int
-    seconds: float
-    error: ErrorReached | None
-    target: float
 
 
 @dataclass(frozen=True)
@@ -117,28 +104,52 @@ def calc(
     return calculate(scene, chosen).field
 
 
-def calculate(scene: Scene, settings: Settings, *, progress: Progress = lambda _: None) -> Calculation:
-    """Run all stages; `calc` for those who want more than the field."""
+def calculate(
+    scene: Scene,
+    settings: Settings,
+    *,
+    progress: Progress = lambda _: None,
+    keep: Keeper | None = None,
+) -> Calculation:
+    """Run all stages; `calc` for those who want more than the field.
+
+    Parameters
+    ----------
+    keep : remembers what is found, and gives back what an earlier part of the run has found
+    """
     require_light(scene)
     scene = without_repeated_faces(scene)
     settings = settings.over(scene.settings)
-    clock = Clock()
+    keep = keep or Keeper()
     with ThreadPoolExecutor(max_workers=settings.workers) as executor:
-        stage = prepare(scene, settings, executor, clock)
-        return _estimate(scene, settings, stage, executor, progress=progress, clock=clock)
+        try:
+            stage = prepare(scene, settings, executor, keep)
+            require_sound_mesh(scene, stage.mesh)
+            if stage.base is not None:
+                require_sound_base(scene, stage.mesh, stage.base)
+            return _estimate(scene, settings, stage, executor, progress=progress, keep=keep)
+        except KeyboardInterrupt:
+            executor.shutdown(wait=False, cancel_futures=True)
+            keep.flush()
+            raise
 
 
 def _estimate(
-    scene: Scene, settings: Settings, stage: Stage, executor: Executor, *, progress: Progress, clock: Clock
+    scene: Scene, settings: Settings, stage: Stage, executor: Executor, *, progress: Progress, keep: Keeper
 ) -> Calculation:
     """Add replicates and double their sequences until the target, the time or their number is reached."""
     detail = angular_detail(stage.plan, stage.world.reflectances, directions=settings.directions)
-    effort, receivers = _effort(settings, stage, executor)
-    clock.lap("effort")
-    began = clock.elapsed
+    effort, receivers = _effort(settings, stage, executor, keep)
+    keep.clock.lap("effort")
+    width = 0 if detail is None else detail.width
+    form = course_form(receivers, width=width, channels=stage.world.channels)
+    course = keep.state("course", form) or Course(
+        Replicates(first_in_space=len(stage.mesh)), began=keep.clock.elapsed
+    )
+    replicates = course.replicates
 
     def batch(replicate: int, doubling: int) -> Batch:
-        return estimate_batch(
+        found = estimate_batch(
             stage.world,
             receivers,
             effort=effort,
@@ -148,22 +159,33 @@ def _estimate(
             detail=detail,
             executor=executor,
             variant=VARIANTS[settings.estimator],
+            keep=keep,
+            name=f"unit/{replicates.units}",
         )
+        require_sound_batch(scene, stage, found)
+        return found
 
-    replicates = Replicates(first_in_space=len(stage.mesh))
-    convergence: list[Standing] = []
-    while (step := _next_step(settings, convergence, began)) != "stop":
-        if step == "append":
-            replicates.append(batch(replicates.count, k) for k in range(replicates.doublings + 1))
-        else:
-            replicates.double(batch(r, replicates.doublings + 1) for r in range(replicates.count))
-        convergence.append(_standing(settings, stage.mesh, replicates, clock.elapsed))
-        progress(convergence[-1])
-    clock.lap("estimate")
-    return _found(scene, settings, stage, effort, detail, replicates, tuple(convergence), clock)
+    if course.convergence:
+        progress(course.convergence[-1])
+    with keep.stop.listening():
+        while True:
+            if replicates.step is None:
+                step = _next_step(settings, course)
+                if step == "stop":
+                    break
+                replicates.start(step)
+            unit = f"unit/{replicates.units}"
+            replicates.take(batch(*replicates.due))
+            if replicates.step is None:
+                course.convergence.append(_standing(settings, stage.mesh, replicates, keep.clock.elapsed))
+                progress(course.convergence[-1])
+            keep.put("course", lambda: form.pack(course), supersedes=f"{unit}/")
+        keep.clock.lap("estimate")
+        keep.flush()
+    return _found(scene, settings, stage, effort, detail, course, keep.clock)
 
 
-def _effort(settings: Settings, stage: Stage, executor: Executor) -> tuple[Effort, Receivers]:
+def _effort(settings: Settings, stage: Stage, executor: Executor, keep: Keeper) -> tuple[Effort, Receivers]:
     """Try small batches to find what a full one should do, and how receivers share its samples."""
     areas = np.zeros(len(stage.receivers))
     areas[: len(stage.mesh)] = visible_areas(stage.mesh.areas, stage.mesh.hidden)
@@ -181,19 +203,20 @@ def _effort(settings: Settings, stage: Stage, executor: Executor) -> tuple[Effor
         seed=settings.seed,
         executor=executor,
         variant=VARIANTS[settings.estimator],
+        keep=keep,
     )
 
 
-def _next_step(settings: Settings, convergence: list[Standing], began: float) -> Step:
-    """Decide how to go on from where the run stands; the estimate began after ``began`` seconds."""
-    if not convergence:
+def _next_step(settings: Settings, course: Course) -> Step:
+    """Decide how to go on from where the run stands."""
+    if not course.convergence:
         return "append"
-    last = convergence[-1]
+    last = course.convergence[-1]
     missing, room = np.inf, np.inf
     if last.error is not None and (settings.target is not None or settings.time is None):
         missing = last.error.in_targets(last.target) ** 2 - 1.0
     if settings.time is not None:
-        room = (settings.time - last.seconds) / max(last.seconds - began, 1e-9)
+        room = (settings.time - last.seconds) / max(last.seconds - course.began, 1e-9)
     return next_step(last.replicates, exactly=settings.batches, missing=missing, room=room)
 
 
@@ -225,12 +248,15 @@ def _found(
     stage: Stage,
     effort: Effort,
     detail: AngularDetail | None,
-    replicates: Replicates,
-    convergence: tuple[Standing, ...],
+    course: Course,
     clock: Clock,
 ) -> Calculation:
     """Turn the sums of all batches into field, planes and eyes."""
+    replicates, convergence = course.replicates, tuple(course.convergence)
     field = found_field(scene, stage, replicates, detail)
+    planes = found_on_planes(scene, stage, replicates)
+    observers = found_at_eyes(scene, stage, replicates)
+    require_sound_results(scene, field, planes, observers)
     clock.lap("fit")
     error = convergence[-1].error or ErrorReached(np.inf, np.inf, np.inf)
     return Calculation(
@@ -239,8 +265,8 @@ def _found(
         settings=settings,
         effort=effort,
         field=field,
-        planes=found_on_planes(scene, stage, replicates),
-        observers=found_at_eyes(scene, stage, replicates),
+        planes=planes,
+        observers=observers,
         replicates=replicates,
         error=error,
         target_met=error.in_targets(settings.target_error) <= 1.0,

@@ -30,7 +30,8 @@ def luminance_weighted(channels: ArrayLike, *, weights: ArrayLike | None = None)
     (...) float
     """
     values = np.asarray(channels, dtype=np.float64)
-    return np.asarray(values @ _weights(values.shape[-1], weights))
+    # Not BLAS, whose threads and blocks would make the last bits depend on cores and on how many values there are.
+    return np.asarray(np.einsum("...c,c->...", values, _weights(values.shape[-1], weights)))
 
 
 def is_spectral(count: int) -> bool:

@@ -3,7 +3,8 @@
 LelightError            what a user can cause; its text is one line: what, where, what to do
 ├── InputError          a file cannot be read as what it should be
 ├── SceneError          the files are readable, the scene they describe is not one that can be lit
-└── OutputError         a result cannot be written, or a result folder cannot be read
+├── OutputError         a result cannot be written, or a result folder cannot be read
+└── NumberError         a stage found no number, or less light than none
 
 A caller's mistake (a wrong shape, a negative count) is a ValueError that names the argument.
 """
@@ -33,3 +34,7 @@ class SceneError(LelightError):
 
 class OutputError(LelightError):
     """A result cannot be written or read back."""
+
+
+class NumberError(LelightError):
+    """A stage found NaN, infinity or negative light; the text names stage and place."""

@@ -6,12 +6,15 @@ piece of furniture no walk ever does; at the dark end of a corridor one soon wil
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
+from lelight.checkpoint.keeper import Keeper
+from lelight.checkpoint.records import ARRAY
 from lelight.estimate.direct import direct_light
 from lelight.estimate.nearfield import hemisphere_rays
 from lelight.estimate.paths import Paths, chosen_paths, hashed_numbers, meet
@@ -41,21 +44,31 @@ LOG2_SLIT_RAYS = 10
 CHUNK = 512
 
 
-def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int, executor: Executor) -> BoolArray:
+def lit_sides(
+    scene: Scene,
+    world: World,
+    *,
+    labels: IntArray,
+    seed: int,
+    executor: Executor,
+    keep: Keeper | None = None,
+) -> BoolArray:
     """Say which sides of the patches receive light, (n_patches, 2): front, back.
 
     Parameters
     ----------
     labels : (n_t,) int, patch of each traced triangle
+    keep : remembers what was found out, if anything shall
     """
+    walks = _Walks(world, executor, keep or Keeper(), "sides")
     lit = np.zeros((int(labels.max()) + 1, 2), dtype=np.bool_)
     vertices = emission_chains(world, Stretch.of(LOG2_PILOT_CHAINS), seed=(seed, 0))
     lit[labels[vertices.triangles], np.where(vertices.front, 0, 1)] = True
     patches, sides = np.nonzero(~lit)
     if len(patches):
         places, owner = _places(scene, labels, patches, sides, seed)
-        reached = _reached(world, places, FEW_WALKS, (seed, 1), executor)
-        reached[~reached] = _seen_through_slits(world, places[~reached], (seed, 4), executor)
+        reached = walks.reached(places, FEW_WALKS, (seed, 1))
+        reached[~reached] = walks.seen_through_slits(places[~reached], (seed, 4))
         found = owner[reached]
         lit[patches[found], sides[found]] = True
     # The back of a face that lies back to back with another is the other's front.
@@ -65,12 +78,26 @@ def lit_sides(scene: Scene, world: World, *, labels: IntArray, seed: int, execut
     return lit
 
 
-def buried(world: World, mesh: NodeMesh, *, seed: int, executor: Executor) -> BoolArray:
-    """Nodes (n,) that no light can reach: they lie where solids touch, or inside them."""
+def buried(
+    world: World,
+    mesh: NodeMesh,
+    *,
+    seed: int,
+    executor: Executor,
+    keep: Keeper | None = None,
+    name: str = "buried",
+) -> BoolArray:
+    """Nodes (n,) that no light can reach: they lie where solids touch, or inside them.
+
+    Parameters
+    ----------
+    keep, name : remembers what was found out under this name, if anything shall
+    """
+    walks = _Walks(world, executor, keep or Keeper(), name)
     receivers = surface_receivers(mesh, np.zeros(int(mesh.materials.max(initial=0)) + 1, dtype=np.int64))
-    dark = ~_reached(world, receivers, FEW_WALKS, (seed, 2), executor)
-    dark[dark] = ~_reached(world, receivers[dark], MANY_WALKS, (seed, 3), executor)
-    dark[dark] = ~_seen_through_slits(world, receivers[dark], (seed, 5), executor)
+    dark = ~walks.reached(receivers, FEW_WALKS, (seed, 2))
+    dark[dark] = ~walks.reached(receivers[dark], MANY_WALKS, (seed, 3))
+    dark[dark] = ~walks.seen_through_slits(receivers[dark], (seed, 5))
     return dark
 
 
@@ -126,21 +153,30 @@ def touching(world: World, mesh: NodeMesh) -> BoolArray:
     return touched
 
 
-def _seen_through_slits(
-    world: World, receivers: Receivers, seed: tuple[int, ...], executor: Executor
-) -> BoolArray:
-    """Say from which surface receivers (r,) any of many points of the emitters is in sight."""
-    chunks = receivers.chunks(max(1, CHUNK >> LOG2_SLIT_RAYS // 2))
-    ask = partial(_sees_emitter, world, seed=seed, log2_samples=LOG2_SLIT_RAYS)
-    return np.concatenate([np.zeros(0, dtype=np.bool_), *executor.map(ask, chunks)])
+@dataclass(frozen=True)
+class _Walks:
+    """Walks and looks from surface receivers (r,), by as many threads as there are."""
 
+    world: World
+    executor: Executor
+    keep: Keeper
+    name: str
 
-def _reached(
-    world: World, receivers: Receivers, walks: tuple[int, int], seed: tuple[int, ...], executor: Executor
-) -> BoolArray:
-    """`reached_by_light` by as many threads as there are."""
-    ask = partial(reached_by_light, world, walks=walks, seed=seed)
-    return np.concatenate([np.zeros(0, dtype=np.bool_), *executor.map(ask, receivers.chunks(CHUNK))])
+    def seen_through_slits(self, receivers: Receivers, seed: tuple[int, ...]) -> BoolArray:
+        """Say from which any of many points of the emitters is in sight."""
+        ask = partial(_sees_emitter, self.world, seed=seed, log2_samples=LOG2_SLIT_RAYS)
+        return self._asked(ask, receivers.chunks(max(1, CHUNK >> LOG2_SLIT_RAYS // 2)), seed)
+
+    def reached(self, receivers: Receivers, walks: tuple[int, int], seed: tuple[int, ...]) -> BoolArray:
+        """`reached_by_light` for many."""
+        ask = partial(reached_by_light, self.world, walks=walks, seed=seed)
+        return self._asked(ask, receivers.chunks(CHUNK), seed)
+
+    def _asked(
+        self, ask: Callable[[Receivers], BoolArray], chunks: list[Receivers], seed: tuple[int, ...]
+    ) -> BoolArray:
+        parts = self.keep.map(self.executor, f"mesh/{self.name} {seed[-1]}", ask, chunks, ARRAY)
+        return np.concatenate([np.zeros(0, dtype=np.bool_), *parts])
 
 
 def reached_by_light(

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lelight.adaptation import ROUNDS, bent
-from lelight.clock import Clock
+from lelight.checkpoint.keeper import Keeper
+from lelight.checkpoint.records import form_of
 from lelight.crowding import crowded, require_clear_emitters, require_room
 from lelight.errors import SceneError
 from lelight.estimate.base import BaseField, solve_base
@@ -34,6 +35,9 @@ from lelight.tracing.world import World, build_world
 #: Grid points and eyes are few, and figures are taken from each: they sample so many doublings more than
 #: nodes.
 PLANE_DOUBLINGS, EYE_DOUBLINGS = 2, 6
+
+#: Receivers asked at once how much of the emitters they see.
+CLEAR_SHARE_CHUNK = 1024
 
 #: Share of the light that all surfaces together must absorb, by area.
 LEAST_ABSORPTION = 1e-3
@@ -74,21 +78,40 @@ class Stage:
     further: tuple[Places, ...]
 
 
-def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) -> Stage:
+@dataclass(frozen=True)
+class Placed:
+    """Nodes, and the sides (n_patches, 2) of patches that receive light."""
+
+    mesh: NodeMesh
+    lit: BoolArray
+
+
+@dataclass(frozen=True)
+class _Site:
+    """What nodes are placed on, how, and by whom."""
+
+    scene: Scene
+    world: World
+    labels: IntArray
+    settings: Settings
+    executor: Executor
+    keep: Keeper
+
+
+def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) -> Stage:
     """Plan, remesh, find the lit sides and the buried nodes, list the receivers."""
     plan = make_plan(scene, method=settings.method)
     labels = patches(scene)
     edge = settings.edge or default_edge(scene) * settings.values.edge_scale
-    surface = graded(remesh(scene, labels, edge=edge), scene, labels)
-    clock.lap("remesh")
     world = build_world(scene, plan.channels)
     require_absorption(scene, world)
     require_clear_emitters(scene, world)
-    lit = lit_sides(scene, world, labels=labels, seed=settings.seed, executor=executor)
-    surface, mesh, lit = _adapted(scene, world, surface, lit, labels, settings, executor)
+    site = _Site(scene, world, labels, settings, executor, keep)
+    placed = keep.once("mesh", lambda: _placed(site, edge), form_of(Placed))
+    mesh, lit = placed.mesh, placed.lit
     if not len(mesh):
         raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
-    clock.lap("pilot")
+    keep.clock.lap("pilot")
     grids = tuple(grid_points(plane) for plane in scene.planes)
     probes = draw_probes(mesh, scene.corners, labels, seed=settings.seed)
     further = further_places(scene, grids, world.caster)
@@ -97,75 +120,98 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, clock: Clock) 
         "sides", f"{int(lit.sum())} of {2 * len(lit)} patch sides carry nodes", "the others receive no light"
     )
     plan = replace(plan, decisions=(*plan.decisions, sides))
-    receivers = with_clear_share(world, receivers, seed=(settings.seed, 3))
+    receivers = _with_clear_share(site, receivers)
     base = None
     if VARIANTS[settings.estimator].on_base:
         nodes = receivers[slice(0, len(mesh))]
-        base = solve_base(world, mesh, nodes, labels=labels, lit=lit, seed=settings.seed, executor=executor)
-        base = with_starts(world, base, seed=settings.seed, executor=executor)
+        base = solve_base(
+            world, mesh, nodes, labels=labels, lit=lit, seed=settings.seed, executor=executor, keep=keep
+        )
+        base = with_starts(world, base, seed=settings.seed, executor=executor, keep=keep)
         if base.spots:
             plan = replace(plan, decisions=(*plan.decisions, SPOTS))
-    clock.lap("base")
+    keep.clock.lap("base")
     return Stage(world, labels, mesh, receivers, grids, edge, plan, base, probes, further)
 
 
-def _adapted(
-    scene: Scene,
-    world: World,
-    surface: SurfaceMesh,
-    lit: BoolArray,
-    labels: IntArray,
-    settings: Settings,
-    executor: Executor,
-) -> tuple[SurfaceMesh, NodeMesh, BoolArray]:
-    """Place nodes, and refine the mesh under them in rounds where that is asked for."""
-    mesh, seen = _seen_nodes(scene, world, surface, labels, lit, settings, executor)
-    for _ in range(ROUNDS if settings.adaptive else 0):
-        asked = _asked(world, surface, mesh, seen, labels, settings, executor)
+def _placed(site: _Site, edge: float) -> Placed:
+    """Remesh, place nodes, and refine the mesh under them in rounds where that is asked for."""
+    scene, labels, keep = site.scene, site.labels, site.keep
+    surface = keep.once(
+        "mesh/surface",
+        lambda: graded(remesh(scene, labels, edge=edge), scene, labels),
+        form_of(SurfaceMesh),
+    )
+    keep.clock.lap("remesh")
+    seed, executor = site.settings.seed, site.executor
+    lit = lit_sides(scene, site.world, labels=labels, seed=seed, executor=executor, keep=keep)
+    placed = _seen_nodes(site, surface, lit, "buried")
+    for number in range(ROUNDS if site.settings.adaptive else 0):
+        asked = _asked(site, surface, placed, f"mesh/bent {number}")
         if not asked.any():
             break
-        surface = refine(surface, asked, corners=world.caster.corners, labels=labels)
-        mesh, seen = _seen_nodes(scene, world, surface, labels, lit, settings, executor)
-    return surface, mesh, seen
+        surface = refine(surface, asked, corners=site.world.caster.corners, labels=labels)
+        placed = _seen_nodes(site, surface, lit, f"buried {number}")
+    return placed
 
 
-def _asked(
-    world: World,
-    surface: SurfaceMesh,
-    mesh: NodeMesh,
-    seen: BoolArray,
-    labels: IntArray,
-    settings: Settings,
-    executor: Executor,
-) -> BoolArray:
+def _asked(site: _Site, surface: SurfaceMesh, placed: Placed, name: str) -> BoolArray:
     """Triangles (m,) of the surface over which light is bent, on either side."""
-    off = bent(world, mesh, labels, tolerance=settings.target_error, seed=settings.seed, executor=executor)
-    own = [np.flatnonzero(seen[surface.triangle_patches, side]) for side in (0, 1)]
+    off = bent(
+        site.world,
+        placed.mesh,
+        site.labels,
+        tolerance=site.settings.target_error,
+        seed=site.settings.seed,
+        executor=site.executor,
+        keep=site.keep,
+        name=name,
+    )
+    own = [np.flatnonzero(placed.lit[surface.triangle_patches, side]) for side in (0, 1)]
     asked = np.zeros(len(surface.triangles), dtype=np.bool_)
     asked[np.concatenate(own)[off]] = True
     return asked
 
 
-def _seen_nodes(
-    scene: Scene,
-    world: World,
-    surface: SurfaceMesh,
-    labels: IntArray,
-    lit: BoolArray,
-    settings: Settings,
-    executor: Executor,
-) -> tuple[NodeMesh, BoolArray]:
+def _seen_nodes(site: _Site, surface: SurfaceMesh, lit: BoolArray, name: str) -> Placed:
     """Place nodes on the lit sides (n_patches, 2), hide the buried and crowded; a side with no other is not lit."""
+    scene, world = site.scene, site.world
     mesh = stepped_aside(world, node_mesh(surface, lit))
-    hidden = buried(world, mesh, seed=settings.seed, executor=executor)
+    hidden = buried(world, mesh, seed=site.settings.seed, executor=site.executor, keep=site.keep, name=name)
     hidden |= _spared(mesh, touching(world, mesh) & ~hidden)
-    taken = crowded(world, mesh, labels)
+    taken = crowded(world, mesh, site.labels)
     require_room(scene, world, hide(mesh, hidden), taken)
     hidden |= taken
     seen = np.zeros_like(lit)
     seen[mesh.patches[~hidden], np.where(mesh.sides[~hidden] > 0, 0, 1)] = True
     kept = seen[mesh.patches, np.where(mesh.sides > 0, 0, 1)]
-    return hide(replace(node_mesh(surface, seen), positions=mesh.positions[kept]), hidden[kept]), seen
+    placed = replace(node_mesh(surface, seen), positions=mesh.positions[kept])
+    return Placed(hide(placed, hidden[kept]), seen)
+
+
+@dataclass(frozen=True)
+class _ClearShare:
+    clear_share: FloatArray
+    direct_doublings: IntArray
+
+
+def _with_clear_share(site: _Site, receivers: Receivers) -> Receivers:
+    """`with_clear_share` by as many threads as there are."""
+
+    def part(own: Receivers) -> _ClearShare:
+        shared = with_clear_share(site.world, own, seed=(site.settings.seed, 3))
+        return _ClearShare(shared.clear_share, shared.direct_doublings)
+
+    def all_parts() -> _ClearShare:
+        chunks = receivers.chunks(CLEAR_SHARE_CHUNK)
+        parts = list(site.keep.map(site.executor, "clear share/part", part, chunks, form_of(_ClearShare)))
+        return _ClearShare(
+            np.concatenate([found.clear_share for found in parts]),
+            np.concatenate([found.direct_doublings for found in parts]),
+        )
+
+    found = site.keep.once("clear share", all_parts, form_of(_ClearShare))
+    return replace(receivers, clear_share=found.clear_share, direct_doublings=found.direct_doublings)
 
 
 def _spared(mesh: NodeMesh, mask: BoolArray) -> BoolArray:

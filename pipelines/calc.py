@@ -9,6 +9,10 @@ from pathlib import Path
 from time import perf_counter
 
 from lelight.calculation import Calculation, Progress, calculate
+from lelight.checkpoint.identity import Identity, identity_of
+from lelight.checkpoint.keeper import Keeper
+from lelight.checkpoint.lock import held
+from lelight.checkpoint.stop import Stop
 from lelight.mesh.remesh import remesher_missing
 from lelight.pipelines.beginning import begin, default_out
 from lelight.pipelines.eyes import Sight, look
@@ -23,7 +27,9 @@ from lelight.pipelines.folder import (
     write_tables,
 )
 from lelight.pipelines.record import run_record
+from lelight.pipelines.resuming import checkpoint, is_finished
 from lelight.settings import Settings
+from lelight.writing.files import remove_temporary
 from lelight.writing.views import write_overview
 
 #: Told the name of each stage as it begins, or what is odd about a run.
@@ -36,31 +42,55 @@ def run_calc(
     *,
     settings: Settings,
     given: Collection[str] = (),
+    resume: bool = False,
+    stop: Stop | None = None,
     announce: Announce = lambda _: None,
+    tell: Announce = lambda _: None,
     warn: Announce = lambda _: None,
     progress: Progress = lambda _: None,
-) -> tuple[Path, Calculation]:
+) -> tuple[Path, Calculation | None]:
     """Compute a scene and write all its results.
 
     Parameters
     ----------
     given : names of the settings that win over the scene file's ``[calc]`` table
+    resume : go on with what an earlier run has kept in the folder
+    stop : asked to stop the run, which then keeps what it has
+    tell : told at once what was found of earlier runs in the folder
     warn : told, once all is written, what ``run.json`` lists as warnings beside a target that was missed
 
     Returns
     -------
     out : the folder
-    run : what was found
+    run : what was found; None where the folder to resume in holds the finished result already
     """
     started = perf_counter()
     announce("reading")
     scene = begin(scene_path, settings, given=given)
     out = out if out is not None else default_out(scene_path)
     prepare_folder(out)
-    read = perf_counter()
-    announce("estimating")
-    run = calculate(scene, settings, progress=progress)
-    announce("writing")
+    identity = identity_of(scene, settings.over(scene.settings))
+    with held(out):
+        if resume and not (out / "checkpoint").exists() and is_finished(out, identity):
+            tell(f"{out} is finished: nothing to do")
+            return out, None
+        remove_temporary(out)
+        folder = checkpoint(out, identity, resume=resume, tell=tell)
+        read = perf_counter() - started
+        announce("estimating")
+        run = calculate(scene, settings, progress=progress, keep=Keeper(folder, stop=stop))
+        announce("writing")
+        for warning in _write(scene_path, out, run, read, identity):
+            warn(warning)
+        folder.remove()
+        remove_temporary(out)
+    return out, run
+
+
+def _write(
+    scene_path: Path, out: Path, run: Calculation, read_seconds: float, identity: Identity
+) -> list[str]:
+    """Write all results, the record of the run last; returns its warnings but for a target that was missed."""
     written = perf_counter()
     withdraw_record(out)
     stems = file_stems(run)
@@ -72,17 +102,18 @@ def run_calc(
         write_sights(out, sights, stems["observers"])
         write_tables(out, figures(run, sights, stems))
     undrawn = overview.result()
-    warnings = [*scene.warnings, *_missing_parts(), *([undrawn] if undrawn else [])]
-    now = perf_counter()
-    seconds = {"read": read - started, "write": now - written, "total": now - started}
+    warnings = [*run.scene.warnings, *_missing_parts(), *([undrawn] if undrawn else [])]
+    seconds = {"read": read_seconds, "write": perf_counter() - written}
     scene_file = Path(os.path.relpath(scene_path, out)).as_posix()
     record = run_record(
-        run, scene_file=scene_file, seconds=seconds, warnings=[*warnings, *_missed_target(run)]
+        run,
+        scene_file=scene_file,
+        seconds=seconds,
+        warnings=[*warnings, *_missed_target(run)],
+        identity=identity,
     )
     write_json(out / "run.json", record)
-    for warning in warnings:
-        warn(warning)
-    return out, run
+    return warnings
 
 
 def _sights(run: Calculation) -> tuple[Sight, ...]:

@@ -21,6 +21,7 @@ from lelight.metrics.picture import PictureGlare, picture_glare
 from lelight.metrics.zones import statistics, threshold_luminance, zone_statistics
 from lelight.places import turned
 from lelight.scene import BoolArray, FloatArray, Observer, PointLuminaire, Threshold
+from lelight.soundness import require_sound_picture
 from lelight.tracing.world import World
 
 #: Rays to an opening end this many surface offsets before it.
@@ -60,6 +61,7 @@ def look(field: RadianceField, observer: Observer, *, size: int, samples: int, e
     """Take an observer's picture of ``size`` pixels square, ``samples`` rays a pixel, and rate it."""
     camera = Fisheye(observer.position, observer.direction)
     luminance = field.picture(camera, size, size, samples=samples, executor=executor)
+    require_sound_picture(luminance[camera.mask(size, size)], observer.name)
     directions = np.zeros((size, size, 3))
     directions[camera.mask(size, size)] = camera.rays(size, size)[1]
     shown, solid_angles = np.nan_to_num(luminance), camera.solid_angles(size, size)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
 
 import lelight
-from lelight.calculation import Calculation, Standing
+from lelight.calculation import Calculation
+from lelight.checkpoint.identity import Identity, fingerprint
+from lelight.course import Standing
 from lelight.estimate.variants import VARIANTS
 from lelight.luminaires import Luminaire
 from lelight.photometry.zones import luminous_flux
@@ -17,26 +18,27 @@ from lelight.pipelines.datasheets import data_sheets
 from lelight.plan import LARGEST_STORED_EXPONENT
 from lelight.reading.lint import material_table
 from lelight.scene import PointLuminaire
+from lelight.versions import package_versions
 
-#: Packages whose versions may change a figure.
-PACKAGES = ("numpy", "scipy", "numba", "embreex", "pymeshlab", "ducc0", "vtk", "pyvista")
 #: Stages of the estimate that the clock tells apart; files name them together.
 ESTIMATE_STAGES = ("base", "effort", "estimate")
 
 
 def run_record(
-    run: Calculation, *, scene_file: str, seconds: dict[str, float], warnings: list[str]
+    run: Calculation, *, scene_file: str, seconds: dict[str, float], warnings: list[str], identity: Identity
 ) -> dict[str, Any]:
     """Gather the record of a run, ready for JSON.
 
     Parameters
     ----------
     scene_file : what was computed, as path from the result folder
-    seconds : of the stages outside the calculation: ``read``, ``write`` and ``total``
+    seconds : of the stages outside the calculation: ``read`` and ``write``
+    identity : what the result depends on
     """
     totals = run.replicates
     return {
         "lelight": lelight.__version__,
+        "fingerprint": fingerprint(identity),
         "scene": run.scene.name,
         "scene_file": scene_file,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -64,19 +66,8 @@ def run_record(
         "luminaires": [_luminaire(lamp) for lamp in run.scene.luminaires],
         "data_sheets": data_sheets(run.scene.luminaires),
         "files": run.scene.files,
-        "versions": versions(),
+        "versions": package_versions(),
     }
-
-
-def versions() -> dict[str, str]:
-    """Versions of the packages that the numbers rest on."""
-    found = {}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            continue
-    return found
 
 
 def _seconds(run: Calculation, outside: dict[str, float]) -> dict[str, float]:
@@ -86,7 +77,7 @@ def _seconds(run: Calculation, outside: dict[str, float]) -> dict[str, float]:
     ordered = ("read", "remesh", "pilot", "estimate", "fit")
     return {stage: round(stages[stage], 3) for stage in ordered} | {
         "write": round(outside["write"], 3),
-        "total": round(outside["total"], 3),
+        "total": round(sum(stages.values()) + outside["write"], 3),
     }
 
 

@@ -18,8 +18,8 @@ from lelight.analytic.case import Case
 from lelight.analytic.catalogue import cases
 from lelight.analytic.verdicts import LEVEL, Judgement, Verdict, judge, noise
 from lelight.calculation import calculate
-from lelight.pipelines.record import versions
 from lelight.settings import Settings
+from lelight.versions import package_versions
 from lelight.writing.files import make_folder, write_text
 
 #: Runs of a case until it is as precise as it asks for; each aims at what the one before missed.
@@ -92,7 +92,7 @@ def validation_record(found: list[Outcome], *, full: bool, seed: int) -> dict[st
         "verdict": overall(found),
         "seconds": round(sum(outcome.seconds for outcome in found), 3),
         "cases": [_case_record(outcome) for outcome in found],
-        "versions": versions(),
+        "versions": package_versions(),
     }
 
 

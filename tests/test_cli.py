@@ -372,9 +372,10 @@ def test_ctrl_c_ends_a_run_in_time_and_in_one_line(tmp_path):
     assert running.stderr is not None
     assert running.stderr.readline().startswith("lelight: estimating: 1 replicates doubled 0 times, ")
     status, stdout, stderr, seconds = interrupted(running)
-    assert (status, stdout, stderr) == (130, "", "lelight: interrupted\n")
-    assert seconds < 2.0
-    assert list((tmp_path / "room.lelight").iterdir()) == []
+    kept = tmp_path / "room.lelight" / "checkpoint"
+    assert (status, stdout) == (130, "") and seconds < 2.0
+    assert stderr == f"lelight: interrupted; what was done is kept in {kept}, --resume goes on\n"
+    assert list((tmp_path / "room.lelight").iterdir()) == [kept]
 
 
 def test_ctrl_c_does_not_wait_for_a_loop_that_does_not_let_go():
@@ -382,8 +383,7 @@ def test_ctrl_c_does_not_wait_for_a_loop_that_does_not_let_go():
     code = (
         "import time\nfrom concurrent.futures import ThreadPoolExecutor\n"
         "from lelight.cli.interruption import end_in_time\n"
-        "end_in_time()\n"
-        "with ThreadPoolExecutor(1) as pool:\n"
+        "with end_in_time(), ThreadPoolExecutor(1) as pool:\n"
         "    task = pool.submit(time.sleep, 60)\n    print('ready', flush=True)\n    task.result()\n"
     )
     running = subprocess.Popen(

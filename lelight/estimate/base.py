@@ -10,12 +10,16 @@ from __future__ import annotations
 import math
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.sparse import csr_array
 
+from lelight.checkpoint.keeper import Keeper
+from lelight.checkpoint.records import form_of
 from lelight.estimate.cells import Cells
 from lelight.estimate.direct import direct_light
+from lelight.estimate.gmres import gmres
 from lelight.estimate.nearfield import hemisphere_rays
 from lelight.mesh.locate import Locator
 from lelight.mesh.nodes import NodeMesh
@@ -82,39 +86,64 @@ def solve_base(
     lit: BoolArray,
     seed: int,
     executor: Executor,
+    keep: Keeper | None = None,
 ) -> BaseField:
     """Solve for the illuminance at all nodes of the mesh; gloss reflects as if it were Lambertian here.
 
     Parameters
     ----------
     receivers : those of the nodes, in their order
+    keep : remembers what was found, if anything shall
     """
     locator = Locator(mesh)
-    chunks = [slice(first, first + CHUNK) for first in range(0, len(mesh), CHUNK)]
-    parts = list(
-        executor.map(lambda chunk: _rows(world, locator, receivers[chunk], labels, len(mesh), seed), chunks)
-    )
+    keep = keep or Keeper()
+
+    def solve() -> _Solved:
+        chunks = [slice(first, first + CHUNK) for first in range(0, len(mesh), CHUNK)]
+        parts = keep.map(
+            executor,
+            "base/rows",
+            lambda chunk: _rows(world, locator, receivers[chunk], labels, seed),
+            chunks,
+            form_of(_Rows),
+        )
+        return _solution(world, mesh, list(parts))
+
+    solved = keep.once("base", solve, form_of(_Solved))
+    diffuse = world.reflectances.diffuse
+    return BaseField(labels, locator, solved.illuminance, lit, diffuse, world.materials, solved.spots)
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Direct light (r, C) of some nodes, and their rows of the gathering operator: weights and nodes by row."""
+
+    direct: FloatArray
+    weights: FloatArray
+    nodes: IntArray
+    counts: IntArray
+
+
+@dataclass(frozen=True)
+class _Solved:
+    illuminance: FloatArray
+    spots: bool
+
+
+def _solution(world: World, mesh: NodeMesh, parts: list[_Rows]) -> _Solved:
+    """Put the rows together and solve."""
     direct = np.concatenate([part.direct for part in parts])
     # The spot that a close lamp makes is left to the chains, which light leads there; rays would miss it.
     most = BRIGHTEST_SPOT * np.average(direct, axis=0, weights=mesh.areas)
     spots = bool(np.any(direct > SPOT * most))
     direct = np.minimum(direct, most)
     albedo = world.reflectances.diffuse + world.reflectances.specular
-    operator = _stacked([part.operator for part in parts], len(mesh))
-    illuminance = _solved(operator, direct, albedo[mesh.materials])
-    return BaseField(labels, locator, illuminance, lit, world.reflectances.diffuse, world.materials, spots)
+    operator = _stacked(parts, len(mesh))
+    return _Solved(_solved(operator, direct, albedo[mesh.materials]), spots)
 
 
-@dataclass(frozen=True)
-class _Rows:
-    direct: FloatArray
-    operator: csr_array
-
-
-def _rows(
-    world: World, locator: Locator, receivers: Receivers, labels: IntArray, nodes_in_all: int, seed: int
-) -> _Rows:
-    """Direct light (r, C) of some nodes and their rows of the gathering operator."""
+def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray, seed: int) -> _Rows:
+    """Trace the rays of some nodes."""
     direct, _ = direct_light(world, receivers, samples=Stretch.of(LOG2_DIRECT), seed=(seed, 7))
     origins, directions, owner = hemisphere_rays(
         world, receivers, samples=Stretch.of(LOG2_RAYS), seed=(seed, 8)
@@ -125,36 +154,38 @@ def _rows(
     sides = np.where(hits.front[met], 1, -1)
     nodes, weights = locator.find(hits.points[met], labels[triangle], sides)
     rows = np.repeat(owner[met], nodes.shape[1])
-    shape = (len(receivers), nodes_in_all)
+    shape = (len(receivers), len(locator))
     operator = csr_array((weights.ravel() / 2**LOG2_RAYS, (rows, nodes.ravel())), shape=shape)
-    return _Rows(direct[:, ILLUMINANCE], operator)
+    return _Rows(direct[:, ILLUMINANCE], operator.data, operator.indices, np.diff(operator.indptr))
 
 
-def _stacked(parts: list[csr_array], columns: int) -> csr_array:
-    data = np.concatenate([part.data for part in parts])
-    indices = np.concatenate([part.indices for part in parts])
-    counts = np.concatenate([np.diff(part.indptr) for part in parts])
+def _stacked(parts: list[_Rows], columns: int) -> csr_array:
+    data = np.concatenate([part.weights for part in parts])
+    indices = np.concatenate([part.nodes for part in parts])
+    counts = np.concatenate([part.counts for part in parts])
     return csr_array((data, indices, np.concatenate([[0], np.cumsum(counts)])), shape=(len(counts), columns))
 
 
 def _solved(operator: csr_array, direct: FloatArray, albedo: FloatArray) -> FloatArray:
     """Find the fixed point e = direct + A (albedo e), (n, C), channel by channel.
 
-    Saad & Schultz, "GMRES: a generalized minimal residual algorithm", SIAM J. Sci. Stat. Comput. 7 (1986):
-    walls that reflect nearly all need a few dozen steps, where plain iteration needs thousands.
+    Walls that reflect nearly all need a few dozen steps of GMRES, where plain iteration needs thousands.
     """
-    from scipy.sparse.linalg import LinearOperator, gmres
-
     illuminance = np.empty_like(direct)
     for c in range(direct.shape[1]):
         scale = float(direct[:, c].max(initial=0.0))
         own = direct[:, c] / scale if scale > 0.0 else direct[:, c]
-        reflectance = albedo[:, c]
-        equation = LinearOperator(
-            operator.shape,
-            matvec=lambda e, r=reflectance: e - operator @ (r * e),
-            dtype=np.float64,
+        found = gmres(
+            partial(_without_reflection, operator, albedo[:, c]),
+            own,
+            settled=SETTLED,
+            restart=RESTART,
+            most=MOST_RESTARTS,
         )
-        found, _ = gmres(equation, own, rtol=SETTLED, restart=RESTART, maxiter=MOST_RESTARTS)
         illuminance[:, c] = np.maximum(found, 0.0) * scale
     return illuminance
+
+
+def _without_reflection(operator: csr_array, albedo: FloatArray, illuminance: FloatArray) -> FloatArray:
+    """Take from an illuminance (n,) what is gathered from the others: e - A (albedo e)."""
+    return np.asarray(illuminance - operator @ (albedo * illuminance))

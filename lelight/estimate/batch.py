@@ -14,6 +14,8 @@ from time import perf_counter
 
 import numpy as np
 
+from lelight.checkpoint.keeper import Keeper
+from lelight.checkpoint.records import form_of
 from lelight.estimate.angular import AngularDetail
 from lelight.estimate.averaged import averaged_estimate
 from lelight.estimate.base import BaseField
@@ -94,6 +96,8 @@ def estimate_batch(
     executor: Executor,
     doubling: int = 0,
     variant: Variant | None = None,
+    keep: Keeper | None = None,
+    name: str = "batch",
 ) -> Batch:
     """Estimate once, by the first points of a replicate's sequences or by those of one of their doublings.
 
@@ -104,18 +108,25 @@ def estimate_batch(
     variant : how indirect light is estimated; default split between chains and near field, on the base if any
     base : field on which the estimate stands; without one the chains start at the emitters
     detail : how angular distributions are kept, None where nothing is glossy
+    keep, name : remembers what was found under this name, if anything shall
     """
     started = perf_counter()
+    keep = keep or Keeper()
     variant = variant or VARIANTS["base" if base is not None else "emitters"]
     stretch = Stretch.of(effort.log2_chains, doubling)
-    vertices = chain_vertices(world, base, stretch, variant, seed=(*seed, CHAINS))
+    vertices = keep.awaited(
+        executor.submit(chain_vertices, world, base, stretch, variant, seed=(*seed, CHAINS))
+    )
     chain_seconds = perf_counter() - started
     blocks = list(blocks_of(receivers.degrees))
-    parts = executor.map(
+    parts = keep.map(
+        executor,
+        name,
         lambda block: _estimate_block(
             world, receivers[block], vertices, effort, variant, doubling, seed, base, detail
         ),
         blocks,
+        form_of(Batch),
     )
     batch = _assembled(receivers, blocks, parts, world.channels, detail)
     batch.seconds["chains"] = chain_seconds

@@ -143,13 +143,19 @@ def _find(
         if face[k] < 0:
             cell[k] = -1
             continue
-        a, n = corners[triangle[k]], segments[face[k]]
+        t, n = triangle[k], segments[face[k]]
         if n == 1:
             cell[k] = first[face[k]]
             continue
-        one, two, to = a[1] - a[0], a[2] - a[0], points[k] - a[0]
-        one_one, one_two, two_two = np.dot(one, one), np.dot(one, two), np.dot(two, two)
-        to_one, to_two = np.dot(to, one), np.dot(to, two)
+        one_one, one_two, two_two, to_one, to_two = 0.0, 0.0, 0.0, 0.0, 0.0
+        for axis in range(3):
+            start = corners[t, 0, axis]
+            one, two, to = corners[t, 1, axis] - start, corners[t, 2, axis] - start, points[k, axis] - start
+            one_one += one * one
+            one_two += one * two
+            two_two += two * two
+            to_one += to * one
+            to_two += to * two
         square = one_one * two_two - one_two * one_two
         v = (two_two * to_one - one_two * to_two) / square * n
         w = (one_one * to_two - one_two * to_one) / square * n

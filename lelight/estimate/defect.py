@@ -16,6 +16,8 @@ from functools import partial
 import numpy as np
 
 from lelight.channels import luminance_weighted
+from lelight.checkpoint.keeper import Keeper
+from lelight.checkpoint.records import ARRAY
 from lelight.estimate.base import BaseField
 from lelight.estimate.cells import Cells, Drawn, cut
 from lelight.estimate.direct import direct_light, drawn_illuminance, illuminance_and_density
@@ -69,8 +71,16 @@ def defect_chains(world: World, base: BaseField, chains: Stretch, *, seed: tuple
     return joined(parts)
 
 
-def with_starts(world: World, base: BaseField, *, seed: int, executor: Executor) -> BaseField:
-    """Measure what a base lacks here and there, so that chains start where it is much."""
+def with_starts(
+    world: World, base: BaseField, *, seed: int, executor: Executor, keep: Keeper | None = None
+) -> BaseField:
+    """Measure what a base lacks here and there, so that chains start where it is much.
+
+    Parameters
+    ----------
+    keep : remembers what was measured, if anything shall
+    """
+    keep = keep or Keeper()
     cells = neutral_starts(world, base)
     if cells is None:
         return base
@@ -79,9 +89,11 @@ def with_starts(world: World, base: BaseField, *, seed: int, executor: Executor)
     numbers = rng.random((places, 3))
     numbers[:, 0] = (np.arange(places) + numbers[:, 0]) / places
     drawn, cell = cells.draw(numbers)
-    ask = partial(_lack, world, base, drawn)
+    ask = partial(_lack, world, base, drawn, seed=(seed, MEASURED))
     chunks = [np.arange(first, min(first + CHUNK, places)) for first in range(0, places, CHUNK)]
-    lack = np.concatenate(list(executor.map(lambda chunk: ask(chunk, seed=(seed, MEASURED)), chunks)))
+    lack = keep.once(
+        "lack", lambda: np.concatenate(list(keep.map(executor, "lack/part", ask, chunks, ARRAY))), ARRAY
+    )
     return replace(base, starts=cells.with_weights(cells.probability * _importance(lack, cell, len(cells))))
 
 
@@ -175,7 +187,7 @@ def _over_surface(
         world, receivers, samples=Stretch.of(LOG2_DEFECT_RAYS), seed=(*seed, DEFECT_DIRECT)
     )
     draws = 2**LOG2_DEFECT_RAYS
-    kept = light @ world.emitters.weights <= (_close_light(world) if shared_out else np.inf)
+    kept = luminance_weighted(light) <= (_close_light(world) if shared_out else np.inf)
     # Draws that found no lamp stand for the rest alone, with their whole weight.
     defect = rest * (1.0 - np.bincount(owner, minlength=len(points)) / draws)[:, None]
     np.add.at(defect, owner, (light + rest[owner]) * kept[:, None] / draws)
@@ -192,7 +204,7 @@ def _by_light(
     last = len(emitters.power) - 1
     sources = np.minimum(np.searchsorted(emitters.power_cdf, points[alive, 0], side="right"), last)
     light, drawn = illuminance_and_density(world, sources, start.points, start.normals, start.incoming)
-    sent = light @ emitters.weights
+    sent = luminance_weighted(light)
     side = np.where(start.front, 1, -1)
     close = sent > drawn * _close_light(world)
     close &= starts.density(start.triangles, side, start.points) > 0.0

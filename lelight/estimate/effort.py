@@ -15,6 +15,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from lelight.channels import luminance_weighted
+from lelight.checkpoint.keeper import Keeper
+from lelight.checkpoint.records import form_of
 from lelight.estimate.base import BaseField
 from lelight.estimate.batch import (
     CHAINS,
@@ -97,6 +99,7 @@ def choose_effort(
     seed: int,
     executor: Executor,
     variant: Variant | None = None,
+    keep: Keeper | None = None,
 ) -> tuple[Effort, Receivers]:
     """Pick the effort of a batch such that about so many of them reach ``target``.
 
@@ -106,6 +109,7 @@ def choose_effort(
     target : float, relative standard error
     most_rays : float, rays that a batch may take at the most; inf where there is no clock
     batches : float, how many the effort is shared out over
+    keep : remembers what was found, if anything shall
 
     Returns
     -------
@@ -113,10 +117,53 @@ def choose_effort(
     receivers : the same, each with its own share of the samples
     """
     variant = variant or VARIANTS["base" if base is not None else "emitters"]
-    bound = bound_for(world.area, 1024.0)
-    if variant.near == "rest":
-        bound = _best_bound(world, receivers, base, variant, areas, seed, executor)
-    spread = _spread(world, receivers, base, variant, bound, areas, seed, executor)
+    trials = _Trials(world, base, variant, seed, executor, keep or Keeper())
+
+    def choose() -> _Chosen:
+        return _chosen(trials, receivers, areas, target, most_rays, batches)
+
+    chosen = trials.keep.once("effort", choose, form_of(_Chosen))
+    shared_out = replace(
+        receivers,
+        direct_doublings=receivers.direct_doublings + chosen.direct,
+        near_doublings=receivers.near_doublings + chosen.near,
+    )
+    return chosen.effort, shared_out
+
+
+@dataclass(frozen=True)
+class _Chosen:
+    """Effort of a batch, and how often each receiver (r,) doubles its samples of direct light and near field."""
+
+    effort: Effort
+    direct: IntArray
+    near: IntArray
+
+
+@dataclass(frozen=True)
+class _Trials:
+    """What small batches are tried on, and by whom."""
+
+    world: World
+    base: BaseField | None
+    variant: Variant
+    seed: int
+    executor: Executor
+    keep: Keeper
+
+
+def _chosen(
+    trials: _Trials,
+    receivers: Receivers,
+    areas: FloatArray,
+    target: float,
+    most_rays: float,
+    batches: float,
+) -> _Chosen:
+    bound = bound_for(trials.world.area, 1024.0)
+    if trials.variant.near == "rest":
+        bound = _best_bound(trials, receivers, areas)
+    spread = _spread(trials, "all", receivers, bound, areas)
     smooth = _smoothed(spread.variance, receivers)
     direct, near = _doublings(smooth[1]), _doublings(smooth[2])
     variance, cost = spread.shared_out(direct, near, areas)
@@ -124,25 +171,13 @@ def choose_effort(
     samples *= min(1.0, batches * most_rays / (len(receivers) * float(samples @ cost)))
     log2 = [round(float(np.log2(max(1.0, count / batches)))) for count in samples]
     log2 = [min(max(least, each), MOST) for each, least in zip(log2, LEAST, strict=True)]
-    shared_out = replace(
-        receivers,
-        direct_doublings=receivers.direct_doublings + direct,
-        near_doublings=receivers.near_doublings + near,
-    )
     effort = Effort(log2_chains=log2[0], log2_direct=log2[1], log2_near=log2[2], bound=bound)
-    return effort, shared_out
+    return _Chosen(effort, direct, near)
 
 
-def _best_bound(
-    world: World,
-    receivers: Receivers,
-    base: BaseField | None,
-    variant: Variant,
-    areas: FloatArray,
-    seed: int,
-    executor: Executor,
-) -> float:
+def _best_bound(trials: _Trials, receivers: Receivers, areas: FloatArray) -> float:
     """Bound that asks for the fewest rays, among a few, tried on some of the receivers."""
+    world, base = trials.world, trials.base
     counting = np.flatnonzero(areas > 0)
     chosen = counting[:: max(1, len(counting) // BOUND_RECEIVERS)]
     few = receivers[chosen]
@@ -150,8 +185,8 @@ def _best_bound(
     factors = BOUNDS_WITH_SPOTS if base is not None and base.spots else factors
     bounds = [factor * bound_for(world.area, 1024.0) for factor in factors]
     work = []
-    for bound in bounds:
-        spread = _spread(world, few, base, variant, bound, areas[chosen], seed, executor)
+    for number, bound in enumerate(bounds):
+        spread = _spread(trials, f"bound {number}", few, bound, areas[chosen])
         direct, near = _doublings(spread.variance[1]), _doublings(spread.variance[2])
         variance, cost = spread.shared_out(direct, near, areas[chosen])
         work.append(float(np.sqrt(variance * cost).sum()))
@@ -184,17 +219,17 @@ def _samples(variance: FloatArray, cost: FloatArray, target: float) -> FloatArra
     return np.asarray(np.sqrt(variance / cost) * np.sqrt(variance * cost).sum() / target**2)
 
 
-def _spread(
-    world: World,
-    receivers: Receivers,
-    base: BaseField | None,
-    variant: Variant,
-    bound: float,
-    areas: FloatArray,
-    seed: int,
-    executor: Executor,
-) -> Spread:
+@dataclass(frozen=True)
+class _Tried:
+    """What trials found at a block of receivers: light (TRIALS, 3, b) by part, and rays (3,)."""
+
+    light: FloatArray
+    rays: FloatArray
+
+
+def _spread(trials: _Trials, name: str, receivers: Receivers, bound: float, areas: FloatArray) -> Spread:
     """Try a few small batches at all receivers."""
+    world, base, variant, seed = trials.world, trials.base, trials.variant, trials.seed
     chains = [
         chain_vertices(world, base, Stretch.of(TRIAL[0]), variant, seed=(seed, TRIAL_SEED + k, CHAINS))
         for k in range(TRIALS)
@@ -204,10 +239,10 @@ def _spread(
 
     one_stretch = Stretch.of(TRIAL[2])
 
-    def try_block(block: IntArray) -> FloatArray:
-        spent = np.zeros(len(TRIAL))
+    def try_block(block: IntArray) -> _Tried:
+        own = receivers[block]
+        found, spent = np.zeros((TRIALS, len(TRIAL), len(own))), np.zeros(len(TRIAL))
         for k, vertices in enumerate(chains):
-            own = receivers[block]
             trial = (seed, TRIAL_SEED + k)
             of_chains = chain_light(world, own, vertices, variant, bound=bound, seed=(*trial, DISC))
             direct, direct_rays = direct_light(
@@ -215,12 +250,15 @@ def _spread(
             )
             near = near_light(world, own, one_stretch, variant, bound=bound, seed=(*trial, NEAR), base=base)
             for part, moments in enumerate((of_chains.moments, direct, near.moments)):
-                light[k, part, block] = luminance_weighted(moments[:, ILLUMINANCE])
+                found[k, part] = luminance_weighted(moments[:, ILLUMINANCE])
             spent += np.array([of_chains.rays, INCOHERENT_COST * direct_rays, INCOHERENT_COST * near.rays])
-        return spent
+        return _Tried(found, spent)
 
-    for spent in executor.map(try_block, list(blocks_of(receivers.degrees))):
-        rays += spent
+    blocks = list(blocks_of(receivers.degrees))
+    parts = trials.keep.map(trials.executor, f"effort/{name}", try_block, blocks, form_of(_Tried))
+    for block, tried in zip(blocks, parts, strict=True):
+        light[:, :, block] = tried.light
+        rays += tried.rays
     samples = 2.0 ** np.array(TRIAL)
     mean = light.sum(axis=1).mean(axis=0)
     floor = np.maximum(mean, DARK_SHARE * np.average(mean, weights=areas))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from functools import reduce
+from typing import Literal
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from lelight.estimate.batch import Batch
 from lelight.receivers import ILLUMINANCE
 from lelight.scene import BoolArray, FloatArray
 
+#: How replicates grow: by one more, or each by as many points as it has.
+Growth = Literal["append", "double"]
 #: Fewer replicates than this give no error worth the name.
 LEAST_REPLICATES = 8
 #: Nodes darker than this share of the mean are measured against it, not against themselves.
@@ -48,11 +50,15 @@ class ErrorReached:
 
 @dataclass
 class Replicates:
-    """Totals of a run; owns them and grows by `append` and `double`.
+    """Totals of a run; owns them and grows by steps, batch after batch: `start` and then `take` what is `due`.
 
     Attributes
     ----------
     doublings : int, how often every replicate has doubled its sequences; the same for all
+    step : what is being done: a replicate appended, or all doubled; None between two steps
+    done : int, batches of that step that have been taken
+    halfway : mean of the stretches of the replicate that is being appended
+    units : int, batches taken in all
     direct, indirect : (r, 6, C) float, sums of the replicates' means
     angular : (g, width, C) float, likewise
     illuminance : one (r,) float a replicate, lx, luminance-weighted
@@ -72,10 +78,49 @@ class Replicates:
     vertices: int = 0
     rays: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
+    step: Growth | None = None
+    done: int = 0
+    halfway: Batch | None = None
+    units: int = 0
+
+    def start(self, step: Growth) -> None:
+        """Begin to append a replicate, or to double all."""
+        self.step, self.done, self.halfway = step, 0, None
+
+    @property
+    def due(self) -> tuple[int, int]:
+        """Replicate and doubling of the batch to be taken next."""
+        return (self.count, self.done) if self.step == "append" else (self.done, self.doublings + 1)
+
+    def take(self, batch: Batch) -> None:
+        """Take the batch that is `due`; with the last one of a step the step ends."""
+        self._count(batch)
+        if self.step == "append":
+            self.halfway = batch if self.halfway is None else self.halfway.halfway_to(batch)
+            if self.done == self.doublings:
+                self._add(self.halfway)
+                self.step, self.halfway = None, None
+        else:
+            self._add_half(self.done, batch)
+            if self.done + 1 == self.count:
+                self._halve()
+                self.step = None
+        self.done += 1
 
     def append(self, stretches: Iterable[Batch]) -> None:
         """Add one replicate by its stretches: its start, then as many doublings as the others have made."""
-        mean = reduce(Batch.halfway_to, map(self._counted, stretches))
+        self.start("append")
+        for batch in stretches:
+            self.take(batch)
+
+    def double(self, batches: Iterable[Batch]) -> None:
+        """Give every replicate as many points again as it has: one batch each, in their order."""
+        self.start("double")
+        for batch in batches:
+            self.take(batch)
+
+    def _add(self, mean: Batch) -> None:
+        """Add a replicate by its mean."""
         if not self.illuminance:
             self.direct, self.indirect = np.zeros_like(mean.direct), np.zeros_like(mean.indirect)
             self.angular = np.zeros_like(mean.angular)
@@ -88,19 +133,20 @@ class Replicates:
         if is_spectral(mean.direct.shape[-1]):
             self.bands_in_space.append(self._bands_in_space(mean))
 
-    def double(self, batches: Iterable[Batch]) -> None:
-        """Give every replicate as many points again as it has: one batch each, in their order."""
-        for k, batch in enumerate(map(self._counted, batches)):
-            self.direct += batch.direct
-            self.indirect += batch.indirect
-            self.angular += batch.angular
-            self.illuminance[k] = 0.5 * (self.illuminance[k] + self._seen(batch))
-            total = self._moments_in_space(batch.direct + batch.indirect)
-            self.in_space[k] = 0.5 * (self.in_space[k] + total)
-            indirect = self._moments_in_space(batch.indirect)
-            self.indirect_in_space[k] = 0.5 * (self.indirect_in_space[k] + indirect)
-            if self.bands_in_space:
-                self.bands_in_space[k] = 0.5 * (self.bands_in_space[k] + self._bands_in_space(batch))
+    def _add_half(self, k: int, batch: Batch) -> None:
+        """Add what replicate k found in a doubling; the totals are halved when all have."""
+        self.direct += batch.direct
+        self.indirect += batch.indirect
+        self.angular += batch.angular
+        self.illuminance[k] = 0.5 * (self.illuminance[k] + self._seen(batch))
+        total = self._moments_in_space(batch.direct + batch.indirect)
+        self.in_space[k] = 0.5 * (self.in_space[k] + total)
+        indirect = self._moments_in_space(batch.indirect)
+        self.indirect_in_space[k] = 0.5 * (self.indirect_in_space[k] + indirect)
+        if self.bands_in_space:
+            self.bands_in_space[k] = 0.5 * (self.bands_in_space[k] + self._bands_in_space(batch))
+
+    def _halve(self) -> None:
         self.direct *= 0.5
         self.indirect *= 0.5
         self.angular *= 0.5
@@ -137,13 +183,13 @@ class Replicates:
     def _bands_in_space(self, batch: Batch) -> FloatArray:
         return np.asarray((batch.direct + batch.indirect)[self.first_in_space :, ILLUMINANCE])
 
-    def _counted(self, batch: Batch) -> Batch:
-        """Count what a batch took, and hand it on."""
+    def _count(self, batch: Batch) -> None:
+        """Count what a batch took."""
+        self.units += 1
         self.vertices += batch.vertices
         self.rays += batch.rays
         for stage, spent in batch.seconds.items():
             self.seconds[stage] = self.seconds.get(stage, 0.0) + spent
-        return batch
 
 
 def error_reached(illuminance: FloatArray, std_error: FloatArray, *, areas: FloatArray) -> ErrorReached:

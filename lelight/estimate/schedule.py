@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from lelight.estimate.replicates import LEAST_REPLICATES
+from lelight.estimate.replicates import LEAST_REPLICATES, Growth
 
-Step = Literal["append", "double", "stop"]
+Step = Growth | Literal["stop"]
 
 #: Doublings that an effort leaves room for.
 WANTED_DOUBLINGS = 2

@@ -24,6 +24,10 @@ class Locator:
         )
         self._visible = np.flatnonzero(~mesh.hidden)
 
+    def __len__(self) -> int:
+        """Count the nodes there are to find."""
+        return len(self._mesh)
+
     def find(self, points: FloatArray, patches: IntArray, sides: IntArray) -> tuple[IntArray, FloatArray]:
         """Find three nodes and their weights for each surface point.
 

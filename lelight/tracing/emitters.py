@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lelight.channels import luminance_weights
+from lelight.channels import luminance_weighted, luminance_weights
 from lelight.luminaires import Luminaire, PhotometricLuminaire
 from lelight.mesh.doubles import backs
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
@@ -120,7 +120,7 @@ def collect_emitters(scene: Scene, channels: FloatArray) -> Emitters:
         sketch=np.empty((0, SKETCH)),
         **_lamp_arrays(scene),
     )
-    power = unweighted.flux @ unweighted.weights
+    power = luminance_weighted(unweighted.flux)
     whole = unweighted._replace(power=power, power_cdf=np.cumsum(power) / power.sum())
     return whole._replace(sketch=_sketch(whole))
 

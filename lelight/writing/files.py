@@ -9,11 +9,15 @@ import uuid
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from shutil import rmtree
 
 from lelight.errors import OutputError
 
 #: Longest safe name in bytes of UTF-8: room for a suffix and a number within the usual limit of 255.
 NAME_BYTES = 120
+
+#: What the names of files begin with that are not whole yet.
+TEMPORARY = ".lelight-"
 
 #: What a name keeps beside letters, marks and digits of any script.
 _KEPT_SIGNS = frozenset(" -_.,+=@()")
@@ -26,6 +30,7 @@ _RESERVED = frozenset(
 _REMEDIES = {
     errno.ENOSPC: "the disk is full: free some space or choose another folder with -o",
     errno.EDQUOT: "the disk quota is used up: free some space or choose another folder with -o",
+    errno.EFBIG: "larger than a file may be here (ulimit -f): raise the limit or choose another folder with -o",
     errno.EACCES: "permission denied: choose a folder that you may write to with -o",
     errno.EPERM: "permission denied: choose a folder that you may write to with -o",
     errno.EROFS: "the file system is read-only: choose another folder with -o",
@@ -49,12 +54,13 @@ def whole(path: Path) -> Iterator[Path]:
     OutputError
         for every OSError of the block, in one line with the remedy
     """
-    beside = path.with_name(f".lelight-{uuid.uuid4().hex}{path.suffix}")
+    beside = path.with_name(f"{TEMPORARY}{uuid.uuid4().hex}{path.suffix}")
     try:
         beside.touch(exist_ok=False)
         yield beside
         _flush_to_disk(beside)
         beside.replace(path)
+        _flush_folder(path.parent)
     except OSError as error:
         raise OutputError(_explain(path, error)) from error
     finally:
@@ -130,9 +136,26 @@ def _shortened(stem: str, size: int) -> str:
     return stem.encode()[:size].decode(errors="ignore").rstrip(". ")
 
 
+def remove_temporary(folder: Path) -> None:
+    """Remove what a run that was killed left half written in a folder and those in it; which is no file of theirs."""
+    for path in [*folder.glob(f"{TEMPORARY}*"), *folder.glob(f"*/{TEMPORARY}*")]:
+        with suppress(OSError):
+            rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
+
+
 def _flush_to_disk(path: Path) -> None:
     with path.open("rb") as stream:
         os.fsync(stream.fileno())
+
+
+def _flush_folder(folder: Path) -> None:
+    """Make a rename last through a loss of power; some file systems cannot flush folders and need not."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
 
 
 def _explain(path: Path, error: OSError) -> str:

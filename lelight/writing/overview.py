@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
+import os
+import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +16,9 @@ from lelight.writing.polydata import read_polydata
 from lelight.writing.views import partly_seen, robust_range, shown_values
 
 WINDOW = (1400, 1000)
+
+#: PR_SET_PDEATHSIG of prctl(2).
+_SET_DEATH_SIGNAL = 1
 
 #: From the scene to the eye: high enough to look over the near walls, turned off the axes.
 _TOWARDS_EYE = np.array([-0.55, -1.0, 1.05])
@@ -67,5 +74,14 @@ def _surface(field_file: Path) -> pyvista.PolyData:
     return surface
 
 
+def end_with_parent() -> None:
+    """Have this process killed when the one that waits for the picture ends, where the system is Linux."""
+    with suppress(OSError, AttributeError):
+        ctypes.CDLL(None).prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
+    if os.getppid() == 1:
+        sys.exit(1)
+
+
 if __name__ == "__main__":
+    end_with_parent()
     draw(Path(sys.argv[1]), Path(sys.argv[2]))
