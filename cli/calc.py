@@ -32,7 +32,7 @@ def command(scene: Path, out: Path | None, *, resume: bool, quiet: bool, **chose
             out,
             settings=Settings(**given),
             given=given,
-            resume=resume,
+            resume="yes" if resume else "no",
             stop=STOP,
             announce=announce,
             tell=lambda text: click.echo(f"lelight: {text}", err=True),

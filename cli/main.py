@@ -15,6 +15,7 @@ from lelight.errors import LelightError
 
 #: Commands by name: the module of this package that holds ``command``, and the line that help shows.
 COMMANDS = {
+    "batch": "Compute many scenes; one that fails does not stop the others.",
     "calc": "Compute the light in a scene and write all results.",
     "check": "Read a scene, show the plan, the lint and what a run will take.",
     "photometry": "Read photometric files: info, check, convert, ugr.",

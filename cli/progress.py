@@ -17,33 +17,44 @@ LOG_INTERVAL = 10.0
 
 
 @contextmanager
-def watched(*, quiet: bool) -> Iterator[Watch]:
-    """Two callables for a run: one takes the name of each stage, one where the estimate stands."""
+def watched(*, quiet: bool, title: Callable[[], str] = str) -> Iterator[Watch]:
+    """Two callables for a run: one takes the name of each stage, one where the estimate stands.
+
+    Parameters
+    ----------
+    title : what stands before every line, asked for each time
+    """
     if quiet:
         yield (lambda _: None), (lambda _: None)
     elif sys.stderr.isatty():
-        with _live() as watch:
+        with _live(title) as watch:
             yield watch
     else:
-        yield (lambda _: None), _log()
+        yield (lambda _: None), _log(title)
 
 
 @contextmanager
-def _live() -> Iterator[Watch]:
+def _live(title: Callable[[], str]) -> Iterator[Watch]:
     from rich.console import Console
+    from rich.markup import escape
 
     with Console(stderr=True).status("starting") as status:
-        yield status.update, (lambda standing: status.update(_line(standing)))
+        yield (
+            lambda stage: status.update(escape(title() + stage)),
+            lambda standing: status.update(escape(title() + _line(standing))),
+        )
 
 
-def _log() -> Callable[[Standing], None]:
+def _log(title: Callable[[], str]) -> Callable[[Standing], None]:
     """Lines for a file or a pipe: one at the first replicate, when the scene has proved sound, then seldom."""
-    due = 0.0
+    due, named = 0.0, title()
 
     def log(standing: Standing) -> None:
-        nonlocal due
+        nonlocal due, named
+        if title() != named:
+            due, named = 0.0, title()
         if standing.seconds >= due:
-            click.echo(f"lelight: {_line(standing)}", err=True)
+            click.echo(f"lelight: {title()}{_line(standing)}", err=True)
             due = standing.seconds + LOG_INTERVAL
 
     return log

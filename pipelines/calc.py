@@ -27,7 +27,7 @@ from lelight.pipelines.folder import (
     write_tables,
 )
 from lelight.pipelines.record import run_record
-from lelight.pipelines.resuming import checkpoint, is_finished
+from lelight.pipelines.resuming import Resume, checkpoint, is_finished
 from lelight.settings import Settings
 from lelight.writing.files import remove_temporary
 from lelight.writing.views import write_overview
@@ -42,7 +42,7 @@ def run_calc(
     *,
     settings: Settings,
     given: Collection[str] = (),
-    resume: bool = False,
+    resume: Resume = "no",
     stop: Stop | None = None,
     announce: Announce = lambda _: None,
     tell: Announce = lambda _: None,
@@ -54,7 +54,7 @@ def run_calc(
     Parameters
     ----------
     given : names of the settings that win over the scene file's ``[calc]`` table
-    resume : go on with what an earlier run has kept in the folder
+    resume : whether to go on with what an earlier run has kept in the folder
     stop : asked to stop the run, which then keeps what it has
     tell : told at once what was found of earlier runs in the folder
     warn : told, once all is written, what ``run.json`` lists as warnings beside a target that was missed
@@ -71,7 +71,7 @@ def run_calc(
     prepare_folder(out)
     identity = identity_of(scene, settings.over(scene.settings))
     with held(out):
-        if resume and not (out / "checkpoint").exists() and is_finished(out, identity):
+        if resume != "no" and not (out / "checkpoint").exists() and is_finished(out, identity):
             tell(f"{out} is finished: nothing to do")
             return out, None
         remove_temporary(out)

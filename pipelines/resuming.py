@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 from lelight.checkpoint.folder import CheckpointFolder
 from lelight.checkpoint.identity import Identity, differences, fingerprint
 from lelight.errors import OutputError
 from lelight.pipelines.results import read_run
 
+#: Whether to go on with what is there: not; yes, or refuse where it is another run's; only where it is not.
+Resume = Literal["no", "yes", "where it is the same"]
+
 
 def checkpoint(
-    out: Path, identity: Identity, *, resume: bool, tell: Callable[[str], None]
+    out: Path, identity: Identity, *, resume: Resume, tell: Callable[[str], None]
 ) -> CheckpointFolder:
     """Open the checkpoint of a result folder: with what is in it, or to be begun anew.
 
@@ -26,7 +30,9 @@ def checkpoint(
         where what is there is damaged, or belongs to a run that differs in something, which is named
     """
     folder = CheckpointFolder(out / "checkpoint", identity)
-    if not resume:
+    if resume == "where it is the same" and folder.exists:
+        resume = "no" if differences(folder.stored_identity(), identity) else "yes"
+    if resume == "no":
         if folder.exists:
             tell(
                 f"warning: {folder.path} holds an unfinished run, which --resume goes on with; this one replaces it"

@@ -242,6 +242,28 @@ def test_missing_photometry_files_are_named_by_key(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    "name", ["../{stem}", "{outside}/{stem}", "sub/../../{stem}", "link-{stem}", "C:\\\\{stem}"]
+)
+@pytest.mark.parametrize(
+    ("toml", "stem"),
+    [
+        ('geometry = "{name}"', "x.obj"),
+        ('[[luminaires]]\nname = "L"\nposition = [0, 0, 1]\nphotometry = "{name}"', "x.ldt"),
+        ('[materials]\n"*" = {{ reflectance = "{name}" }}', "x.csv"),
+        ('[materials]\n"*" = {{ luminance = 1, spectrum = "{name}" }}', "x.spdx"),
+    ],
+)
+def test_names_in_scene_files_stay_in_the_folder(tmp_path: Path, toml: str, stem: str, name: str) -> None:
+    inside = tmp_path / "inside"
+    (inside / "sub").mkdir(parents=True)
+    (tmp_path / stem).write_text("secret", encoding="utf-8")
+    (inside / f"link-{stem}").symlink_to(tmp_path / stem)
+    named = toml.format(name=name.format(stem=stem, outside=tmp_path))
+    text = refusal(write(inside, toml=named).with_suffix(".toml"), InputError)
+    assert "leads out of the folder of the scene" in text and "secret" not in text
+
+
 def test_paths_that_are_no_scene(tmp_path: Path) -> None:
     assert "no such file" in refusal(tmp_path / "absent.obj", InputError)
     assert "no such file" in refusal(tmp_path / "absent.toml", InputError)

@@ -12,6 +12,7 @@ import numpy as np
 from lelight.errors import InputError, SceneError
 from lelight.luminaires import PhotometricLuminaire
 from lelight.mesh.doubles import without_repeated_faces
+from lelight.reading.confinement import confined
 from lelight.reading.fixtures import measuring_planes, observers
 from lelight.reading.inputfile import file_hash, quoted
 from lelight.reading.luminaires import ReadLuminaires, read_luminaires
@@ -100,7 +101,14 @@ def _geometry_path(given: Path, scene_path: Path | None, tables: SceneTables) ->
     """OBJ file to read; asking for one OBJ while the scene file beside it names another is a mistake."""
     if scene_path is None or (scene_path != given and tables.geometry is None):
         return given
-    named = scene_path.parent / tables.geometry if tables.geometry else scene_path.with_suffix(".obj")
+    named = scene_path.with_suffix(".obj")
+    if tables.geometry:
+        within = confined(scene_path.parent, tables.geometry)
+        if within is None:
+            raise _wrong_geometry(
+                scene_path, Path(tables.geometry), "which leads out of the folder of the scene; put it there"
+            )
+        named = within
     if named.suffix.lower() != ".obj":
         raise _wrong_geometry(scene_path, named, "allowed is an .obj file")
     if given not in {scene_path, named}:

@@ -11,6 +11,7 @@ import numpy as np
 
 from lelight.errors import InputError
 from lelight.luminaires import Luminaire, PhotometricLuminaire, moved, placed_axes, tilt_factor
+from lelight.reading.confinement import confined
 from lelight.reading.inputfile import quoted
 from lelight.reading.spectra import SpectrumFiles
 from lelight.scene import FloatArray, PointLuminaire
@@ -40,7 +41,11 @@ class _Photometries:
     def of(self, named: str, key: str) -> Photometry:
         """Read the file that ``key`` names, relative to the scene file."""
         folder = self.scene_path.parent if self.scene_path is not None else Path()
-        path = folder / named
+        path = confined(folder, named)
+        if path is None:
+            raise InputError(
+                f"{self.scene_path}: {key}: {quoted(named)} leads out of the folder of the scene; put it there"
+            )
         if path not in self.read:
             self.read[path] = self._opened(path, named, key, folder)
         return self.read[path]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path, PureWindowsPath
+from pathlib import Path
 
 from lelight.errors import InputError
+from lelight.reading.confinement import confined
 from lelight.reading.inputfile import decoded, quoted
 
 _NAMES_BY_ENDING = re.compile(r"\S.*?\.mtl(?=\s|$)", re.IGNORECASE)
@@ -37,18 +38,13 @@ def material_libraries(obj_path: Path, names: bytes, *, line: int) -> tuple[Path
 
 
 def _confined(obj_path: Path, name: str, line: int) -> Path:
-    folder = obj_path.parent.resolve()
-    inside = not (name.startswith("/") or PureWindowsPath(name).drive)
-    try:
-        inside = inside and (folder / name).resolve().is_relative_to(folder)
-    except (OSError, RuntimeError):
-        inside = False
-    if not inside:
+    path = confined(obj_path.parent, name)
+    if path is None:
         message = (
             f"mtllib: {quoted(name)} leads out of the folder of the OBJ file; put the MTL file beside it"
         )
         raise InputError.at(obj_path, line, message)
-    return obj_path.parent / name
+    return path
 
 
 def _is_file(path: Path) -> bool:

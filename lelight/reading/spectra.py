@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from lelight.errors import InputError
+from lelight.reading.confinement import confined
 from lelight.reading.inputfile import file_contents, quoted
 from lelight.scene import Spectrum
 
@@ -53,7 +54,11 @@ class SpectrumFiles:
 
     def _named(self, name: str, key: str, *, illuminants: bool) -> Spectrum:
         if name.lower().endswith(_ENDINGS):
-            path = self.scene_path.parent / name
+            path = confined(self.scene_path.parent, name)
+            if path is None:
+                raise InputError(
+                    f"{self.scene_path}: {key}: {quoted(name)} leads out of the folder of the scene; put it there"
+                )
             spectrum = read_spdx(path) if path.suffix.lower() == ".spdx" else read_table(path)
             if path not in self.paths:
                 self.paths.append(path)
