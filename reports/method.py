@@ -9,7 +9,7 @@ import numpy as np
 
 from lelight.reports.figures.convergence import convergence_curve
 from lelight.reports.folder import ResultFolder
-from lelight.reports.rounding import MISSING, as_given, count, percent, with_unit
+from lelight.reports.rounding import LEAST_FRACTION, MISSING, as_given, count, percent, with_unit
 from lelight.reports.texts import Texts
 from lelight.reports.vocabulary import words
 
@@ -51,7 +51,9 @@ def method_figures(folder: ResultFolder) -> dict[str, bytes]:
 def _convergence_points(run: Mapping[str, Any]) -> list[tuple[float, float]]:
     """Seconds and relative error after each batch; a curve needs two points that a logarithm can show."""
     steps = [(step.get("seconds"), step.get("rms")) for step in _items(run, "convergence")]
-    points = [(float(seconds), float(rms)) for seconds, rms in steps if seconds and rms]
+    points = [
+        (float(seconds), float(rms)) for seconds, rms in steps if seconds and rms and rms >= LEAST_FRACTION
+    ]
     return points if len(points) > 1 else []
 
 

@@ -20,6 +20,8 @@ MISSING = "–"
 MOST_DIGITS = 6
 #: Digits of a value whose error is not known.
 DIGITS_WITHOUT_ERROR = 3
+#: Smaller fractions are what is left of rounding, and are printed as none.
+LEAST_FRACTION = 1e-9
 #: Half width of the interval printed after ±, in standard errors.
 COVERAGE_FACTOR = 2.0
 
@@ -85,7 +87,12 @@ def count(number: int) -> str:
 
 
 def percent(fraction: float) -> str:
-    """Write a fraction in per cent to two significant digits."""
+    r"""Write a fraction in per cent to two significant digits; what rounding left of nothing is 0.
+
+    >>> percent(0.0123), percent(7.4e-16)
+    ('1.2\xa0%', '0\xa0%')
+    """
+    fraction = fraction if abs(fraction) >= LEAST_FRACTION else 0.0
     return f"{significant(100.0 * fraction, 2)}{NO_BREAK_SPACE}%"
 
 

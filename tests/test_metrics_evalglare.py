@@ -31,6 +31,7 @@ from lelight.metrics.daylight_glare import (
     veiling_cie,
     veiling_poynter,
 )
+from lelight.metrics.eye import carried
 from lelight.metrics.picture import picture_glare
 from lelight.metrics.zones import threshold_luminance, zone_statistics
 from lelight.scene import Threshold
@@ -223,3 +224,12 @@ def test_evalglare_rates_our_scenes_alike(tmp_path, name):
 
 def test_evalglare_rates_the_glossy_room_alike(run):
     agree(run.out)
+
+
+def test_what_the_sources_alone_make_is_not_given_the_error_of_the_indirect_light():
+    indirect = np.array([90.0, 100.0, 110.0])
+    veil = carried(veiling_cie, one_source(), indirect, unit="cd/m²", method="picture", clause="CIE 146")
+    assert (veil.std_error, veil.interval, veil.method) == (None, None, "picture")
+    rating = carried(ugr, one_source(), indirect, unit="1", method="picture", clause="CIE 117")
+    assert rating.std_error > 0.01
+    assert rating.method != "picture"

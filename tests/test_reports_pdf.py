@@ -16,6 +16,7 @@ from lelight.errors import OutputError
 from lelight.reports.document import MissingGlyphWarning, timestamp_of
 from lelight.reports.glare import write_glare_report
 from lelight.reports.luminance import write_luminance_report
+from lelight.reports.summary import MAIN
 from lelight.writing.pictures import write_exr
 from lelight.writing.polydata import PolyData, write_polydata
 
@@ -114,6 +115,10 @@ def test_every_number_of_the_summary_is_that_of_metrics_json(out, pdfs):
     number = r"(<?[\d.]+)(?: +± ([\d.]+))? +(lx|lm/m²|–)"
     printed = re.findall(rf"({'|'.join(names.values())}) +{number}", summary)
     entries = [*metrics["planes"].values(), *metrics["observers"].values(), metrics["room"]]
+    required = {
+        key for entry in entries for key, each in entry.items() if isinstance(each, dict) and "target" in each
+    }
+    assert required | {key for entry in entries for key in MAIN & entry.keys()} == set(names)
     expected = [(entry[key], pattern) for entry in entries for key, pattern in names.items() if key in entry]
     assert len(printed) == len(expected) == 6
     for (label, value, half_width, unit), (entry, pattern) in zip(printed, expected, strict=True):
@@ -199,6 +204,18 @@ def test_pages_render_without_a_word(pdfs, write, tmp_path):
     assert len(pages) > 3
     # No page but the last ends above a quarter of its height: two thirds of header and footer aside.
     assert min(_filled(page) for page in pages[:-1]) > 0.25
+
+
+@needs_poppler
+@pytest.mark.parametrize("figures", [0, 12, 24, 36])
+def test_charts_of_a_plane_do_not_spill_onto_a_page_of_their_own(figures, tmp_path):
+    folder = make_result_folder(tmp_path / "x", pixels=16, observers=("one",))
+    more = {f"figure_{k}": figure(100.0 + k, "lx", 1.0) for k in range(figures)}
+    change(folder, "metrics.json", lambda metrics: metrics["planes"]["work plane"].update(more))
+    pdf = write_luminance_report(folder, paper="us-letter")
+    subprocess.run(["pdftoppm", "-r", "20", "-gray", str(pdf), str(tmp_path / "page")], check=True)
+    pages = sorted(tmp_path.glob("page*"))
+    assert min(_filled(page) for page in pages[:-1]) > 0.3
 
 
 def _filled(page):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -117,13 +118,17 @@ def carried(
     Parameters
     ----------
     indirect : (R,) float, lx, by batch
+
+    Returns
+    -------
+    figure : without an error where the indirect light is no part of it, as in a veil made by the sources
     """
     mean = float(indirect.mean())
     if not mean > 0:
         value = function(view)
         shown = value if np.isfinite(value) else None
         return Figure(shown, unit, None, method, clause=clause, note=note)
-    return measured(
+    figure = measured(
         lambda share: function(view.with_background(float(share))) if share != 1 else function(view),
         indirect / mean,
         unit=unit,
@@ -132,3 +137,7 @@ def carried(
         undefined="not defined: no glare source, or no light beside it, in the picture",
         note=note,
     )
+    if figure.std_error == 0.0:
+        # Made of the sources alone: what the indirect light is not sure of says nothing about it.
+        return replace(figure, std_error=None, interval=None, method=method)
+    return figure

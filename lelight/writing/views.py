@@ -67,7 +67,7 @@ def shown_values(triangles: IntArray, values: FloatArray, hidden: BoolArray) -> 
     count = len(values)
     total = np.bincount(corners.ravel(), np.repeat(found.sum(axis=1), 3), minlength=count)
     number = np.bincount(corners.ravel(), np.repeat(seen.sum(axis=1), 3), minlength=count)
-    around = np.divide(total, number, out=np.zeros_like(total), where=number > 0)
+    around = np.divide(total, number, out=np.zeros(count), where=number > 0)
     return np.asarray(np.where(hidden, around, values))
 
 
