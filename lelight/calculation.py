@@ -15,12 +15,11 @@ from lelight.estimate.angular import AngularDetail, angular_detail
 from lelight.estimate.batch import Batch, Effort, estimate_batch
 from lelight.estimate.effort import choose_effort
 from lelight.estimate.interpolation import InterpolationError
-from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, visible_areas
+from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, pooled_error, visible_areas
 from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
 from lelight.estimate.variants import VARIANTS
 from lelight.field import RadianceField
 from lelight.mesh.doubles import without_repeated_faces
-from lelight.mesh.nodes import NodeMesh
 from lelight.outcome import found_at_eyes, found_at_probes, found_field, found_on_planes
 from lelight.plan import Plan
 from lelight.preparation import Stage, prepare
@@ -177,7 +176,7 @@ def _estimate(
             unit = f"unit/{replicates.units}"
             replicates.take(batch(*replicates.due))
             if replicates.step is None:
-                course.convergence.append(_standing(settings, stage.mesh, replicates, keep.clock.elapsed))
+                course.convergence.append(_standing(settings, stage, replicates, keep.clock.elapsed))
                 progress(course.convergence[-1])
             keep.put("course", lambda: form.pack(course), supersedes=f"{unit}/")
         keep.clock.lap("estimate")
@@ -220,26 +219,24 @@ def _next_step(settings: Settings, course: Course) -> Step:
     return next_step(last.replicates, exactly=settings.batches, missing=missing, room=room)
 
 
-def _standing(settings: Settings, mesh: NodeMesh, replicates: Replicates, seconds: float) -> Standing:
+def _standing(settings: Settings, stage: Stage, replicates: Replicates, seconds: float) -> Standing:
     return Standing(
         replicates=replicates.count,
         doublings=replicates.doublings,
         rays=replicates.rays,
         seconds=seconds,
-        error=_error(mesh, replicates),
+        error=_error(stage, replicates),
         target=settings.target_error,
     )
 
 
-def _error(mesh: NodeMesh, replicates: Replicates) -> ErrorReached | None:
+def _error(stage: Stage, replicates: Replicates) -> ErrorReached | None:
     """Error so far over the nodes that are seen; None before there are two replicates."""
     if replicates.count < 2:
         return None
-    seen = ~mesh.hidden
-    nodes = slice(0, len(mesh))
-    return error_reached(
-        replicates.mean[nodes][seen], replicates.std_error[nodes][seen], areas=mesh.areas[seen]
-    )
+    seen, nodes = ~stage.mesh.hidden, slice(0, len(stage.mesh))
+    std_error = pooled_error(replicates.std_error[nodes], stage.neighbours)
+    return error_reached(replicates.mean[nodes][seen], std_error[seen], areas=stage.mesh.areas[seen])
 
 
 def _found(

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lelight.estimate.angular import AngularDetail
 from lelight.estimate.interpolation import InterpolationError, interpolation_error
-from lelight.estimate.replicates import Replicates
+from lelight.estimate.replicates import Replicates, pooled_error
 from lelight.field import RadianceField
 from lelight.preparation import Stage
 from lelight.receivers import CYLINDRICAL, ILLUMINANCE, SCALAR, VECTOR
@@ -28,7 +28,9 @@ def found_field(
     total[stage.mesh.hidden], direct[stage.mesh.hidden] = 0.0, 0.0
     values = NodeValues(
         illuminance=total[:, ILLUMINANCE],
-        std_error=np.where(stage.mesh.hidden, 0.0, replicates.std_error[nodes]),
+        std_error=np.where(
+            stage.mesh.hidden, 0.0, pooled_error(replicates.std_error[nodes], stage.neighbours)
+        ),
         direct=np.maximum(direct[:, ILLUMINANCE], 0.0),
         scalar_illuminance=total[:, SCALAR],
         light_vector=total[:, VECTOR : VECTOR + 3],

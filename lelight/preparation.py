@@ -18,6 +18,7 @@ from lelight.estimate.direct import with_clear_share
 from lelight.estimate.variants import VARIANTS
 from lelight.mesh.grading import graded
 from lelight.mesh.locate import patch_sides
+from lelight.mesh.neighbours import alike
 from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
 from lelight.mesh.patches import patches
 from lelight.mesh.probes import Probes, draw_probes
@@ -64,6 +65,7 @@ class Stage:
     base : field on which the estimate stands, None where there is none
     probes : points between the nodes
     further : places beside grid points and eyes, in the order of their receivers, the last of all
+    neighbours : (n, 7) int, visible nodes around each
     """
 
     world: World
@@ -76,6 +78,7 @@ class Stage:
     base: BaseField | None
     probes: Probes
     further: tuple[Places, ...]
+    neighbours: IntArray
 
 
 @dataclass(frozen=True)
@@ -131,7 +134,8 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) 
         if base.spots:
             plan = replace(plan, decisions=(*plan.decisions, SPOTS))
     keep.clock.lap("base")
-    return Stage(world, labels, mesh, receivers, grids, edge, plan, base, probes, further)
+    neighbours = alike(mesh.positions, mesh.normals, left_out=mesh.hidden)
+    return Stage(world, labels, mesh, receivers, grids, edge, plan, base, probes, further, neighbours)
 
 
 def _placed(site: _Site, edge: float) -> Placed:

@@ -47,7 +47,7 @@ def reference(scene: Scene, run: Calculation, nodes: IntArray) -> tuple[FloatArr
 
 def agreement(run: Calculation, nodes: IntArray, expected: FloatArray, error: FloatArray) -> str:
     """Compare place by place, by Welch's t."""
-    own = run.replicates.std_error[nodes]
+    own = run.field.std_error[nodes]
     difference, square = run.replicates.mean[nodes] - expected, own**2 + error**2
     freedom = square**2 / (own**4 / (run.replicates.count - 1) + error**4 / (BATCHES - 1))
     p = 2 * student.sf(np.abs(difference) / np.sqrt(square), freedom)

@@ -50,7 +50,7 @@ def figures_of(run: Calculation) -> dict[str, tuple[FloatArray, FloatArray, int]
     """Values (k,), standard errors (k,) and degrees of freedom of what a run states."""
     replicates = run.replicates
     nodes = np.flatnonzero(~run.field.mesh.hidden)
-    stated = {"nodes": (replicates.mean[nodes], replicates.std_error[nodes], replicates.count - 1)}
+    stated = {"nodes": (replicates.mean[nodes], run.field.std_error[nodes], replicates.count - 1)}
     rules: dict[str, Callable[[FloatArray], float]] = {"mean": np.mean, "minimum": np.min}
     for plane in run.planes:
         for name, rule in rules.items():

@@ -32,7 +32,7 @@ def test_a_glossy_room_has_the_light_that_mitsuba_finds():
         illuminance_by_mitsuba(built, points, normals, paths=PATHS, seed=seed) for seed in range(BATCHES)
     ]
     expected, error = np.mean(batches, axis=0), np.std(batches, axis=0, ddof=1) / np.sqrt(BATCHES)
-    own = run.replicates.std_error[nodes]
+    own = run.field.std_error[nodes]
     difference, square = run.replicates.mean[nodes] - expected, own**2 + error**2
     freedom = square**2 / (own**4 / (run.replicates.count - 1) + error**4 / (BATCHES - 1))
     p = 2 * student.sf(np.abs(difference) / np.sqrt(square), freedom)

@@ -12,7 +12,6 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from lelight.channels import luminance_weighted
 from lelight.checkpoint.keeper import Keeper
@@ -32,6 +31,7 @@ from lelight.estimate.batch import (
 from lelight.estimate.direct import direct_light
 from lelight.estimate.replicates import DARK_SHARE
 from lelight.estimate.variants import VARIANTS, Variant
+from lelight.mesh.neighbours import alike, half_pooled
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.sampling import Stretch
@@ -47,8 +47,6 @@ MOST_DOUBLINGS, MOST_HALVINGS = 3, 1
 #: How much the variance found at one receiver in a few trials is drawn toward that of all: rare bright paths
 #: may have missed it in the trials and will not in the run.
 CAUTION = 0.25
-#: What a receiver's own trials say is averaged half and half with those of so many nearest ones.
-NEIGHBOURS = 7
 #: Bounds of the split that are tried, against that of 1024 chains, and receivers they are tried on.
 BOUNDS_ON_BASE = (0.1, 0.4, 1.6, 6.4)
 BOUNDS_OF_EMITTERS = (0.8, 6.4)
@@ -164,7 +162,7 @@ def _chosen(
     if trials.variant.near == "rest":
         bound = _best_bound(trials, receivers, areas)
     spread = _spread(trials, "all", receivers, bound, areas)
-    smooth = _smoothed(spread.variance, receivers)
+    smooth = half_pooled(spread.variance, alike(receivers.points, receivers.normals))
     direct, near = _doublings(smooth[1]), _doublings(smooth[2])
     variance, cost = spread.shared_out(direct, near, areas)
     samples = _samples(variance, cost, target)
@@ -191,16 +189,6 @@ def _best_bound(trials: _Trials, receivers: Receivers, areas: FloatArray) -> flo
         variance, cost = spread.shared_out(direct, near, areas[chosen])
         work.append(float(np.sqrt(variance * cost).sum()))
     return bounds[int(np.argmin(work))]
-
-
-def _smoothed(variance: FloatArray, receivers: Receivers) -> FloatArray:
-    """Average the variance (3, r) of each receiver with that of the nearest ones that face the same way."""
-    if len(receivers) <= NEIGHBOURS:
-        return variance
-    extent = float(np.linalg.norm(np.ptp(receivers.points, axis=0)))
-    tree = cKDTree(np.concatenate([receivers.points, extent * receivers.normals], axis=1))
-    _, nearest = tree.query(tree.data, k=NEIGHBOURS)
-    return np.asarray(0.5 * variance + 0.5 * variance[:, nearest].mean(axis=2))
 
 
 def _doublings(variance: FloatArray) -> IntArray:

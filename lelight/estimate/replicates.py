@@ -15,8 +15,9 @@ import numpy as np
 
 from lelight.channels import is_spectral, luminance_weighted
 from lelight.estimate.batch import Batch
+from lelight.mesh.neighbours import half_pooled
 from lelight.receivers import ILLUMINANCE
-from lelight.scene import BoolArray, FloatArray
+from lelight.scene import BoolArray, FloatArray, IntArray
 
 #: How replicates grow: by one more, or each by as many points as it has.
 Growth = Literal["append", "double"]
@@ -204,6 +205,15 @@ def error_reached(illuminance: FloatArray, std_error: FloatArray, *, areas: Floa
 
     rms = float(np.sqrt(np.average(relative**2, weights=areas)))
     return ErrorReached(rms, percentile(0.95), percentile(0.99))
+
+
+def pooled_error(std_error: FloatArray, neighbours: IntArray) -> FloatArray:
+    """Standard error of nodes (n,), its square averaged half and half with those around them (n, 7).
+
+    The spread of about ten replicates is itself uncertain by a quarter, and where a rare path is missing both value and
+    spread come out low. In a stairwell at 10 % nominal 95 % intervals held 91 % by each node's own spread, 96 % so.
+    """
+    return np.asarray(np.sqrt(half_pooled(std_error**2, neighbours)))
 
 
 def visible_areas(areas: FloatArray, hidden: BoolArray) -> FloatArray:

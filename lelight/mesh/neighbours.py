@@ -1,0 +1,37 @@
+"""Places that are alike: near each other and facing the same way."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from lelight.scene import BoolArray, FloatArray, IntArray
+
+#: How many places, itself among them, stand for what is around one.
+NEIGHBOURS = 7
+
+
+def alike(points: FloatArray, normals: FloatArray, *, left_out: BoolArray | None = None) -> IntArray:
+    """Find the nearest places that face the same way (r, 7), each place itself among them.
+
+    Parameters
+    ----------
+    points, normals : (r, 3) float, m and unit length
+    left_out : (r,) bool, places that are nobody's neighbour; they and places with too few others get themselves
+    """
+    nearest = np.tile(np.arange(len(points))[:, None], NEIGHBOURS)
+    kept = np.arange(len(points)) if left_out is None else np.flatnonzero(~left_out)
+    if len(kept) >= NEIGHBOURS:
+        extent = float(np.linalg.norm(np.ptp(points[kept], axis=0)))
+        tree = cKDTree(np.concatenate([points[kept], extent * normals[kept]], axis=1))
+        nearest[kept] = kept[tree.query(tree.data, k=NEIGHBOURS)[1]]
+    return nearest
+
+
+def half_pooled(variance: FloatArray, neighbours: IntArray) -> FloatArray:
+    """Average variances (..., r) of places half and half with those around them (r, 7).
+
+    What a few samples say of the variance of one place is uncertain, and where light comes by rare paths mostly too
+    little; it changes from place to place far less than that.
+    """
+    return np.asarray(0.5 * variance + 0.5 * variance[..., neighbours].mean(axis=-1))
