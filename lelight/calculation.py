@@ -14,6 +14,7 @@ from lelight.estimate.batch import Batch, Effort, estimate_batch
 from lelight.estimate.effort import choose_effort
 from lelight.estimate.interpolation import InterpolationError
 from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, visible_areas
+from lelight.estimate.samplingplan import SamplingPlan, StartingCells
 from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
 from lelight.estimate.variants import VARIANTS
 from lelight.field import RadianceField
@@ -70,6 +71,7 @@ class Calculation:
     seconds : by stage
     interpolation : error between the nodes, which no replicate sees
     convergence : one row a replicate added or doubling made
+    sampling : what another run needs to sample alike
     """
 
     scene: Scene
@@ -86,6 +88,7 @@ class Calculation:
     edge: float
     seconds: dict[str, float]
     convergence: tuple[Standing, ...]
+    sampling: SamplingPlan
 
 
 def calc(
@@ -117,23 +120,47 @@ def calc(
     return calculate(scene, chosen).field
 
 
-def calculate(scene: Scene, settings: Settings, *, progress: Progress = lambda _: None) -> Calculation:
-    """Run all stages; `calc` for those who want more than the field."""
+def calculate(
+    scene: Scene,
+    settings: Settings,
+    *,
+    like: SamplingPlan | None = None,
+    progress: Progress = lambda _: None,
+) -> Calculation:
+    """Run all stages; `calc` for those who want more than the field.
+
+    Parameters
+    ----------
+    like : sample as another run did, instead of until a target or a time; its seed and edge are up to the settings
+    """
     require_light(scene)
     scene = without_repeated_faces(scene)
     settings = settings.over(scene.settings)
     clock = Clock()
     with ThreadPoolExecutor(max_workers=settings.workers) as executor:
         stage = prepare(scene, settings, executor, clock)
-        return _estimate(scene, settings, stage, executor, progress=progress, clock=clock)
+        return _estimate(scene, settings, stage, executor, like=like, progress=progress, clock=clock)
 
 
 def _estimate(
-    scene: Scene, settings: Settings, stage: Stage, executor: Executor, *, progress: Progress, clock: Clock
+    scene: Scene,
+    settings: Settings,
+    stage: Stage,
+    executor: Executor,
+    *,
+    like: SamplingPlan | None,
+    progress: Progress,
+    clock: Clock,
 ) -> Calculation:
     """Add replicates and double their sequences until the target, the time or their number is reached."""
     detail = angular_detail(stage.plan, stage.world.reflectances, directions=settings.directions)
-    effort, receivers = _effort(settings, stage, executor)
+    base = stage.base
+    if like is None:
+        effort, receivers = _effort(settings, stage, executor)
+    else:
+        effort, receivers = like.effort, like.shared_out(stage.receivers)
+        base = like.started_alike(base)
+        settings = replace(settings, batches=like.replicates)
     clock.lap("effort")
     began = clock.elapsed
 
@@ -144,13 +171,13 @@ def _estimate(
             effort=effort,
             seed=(settings.seed, replicate),
             doubling=doubling,
-            base=stage.base,
+            base=base,
             detail=detail,
             executor=executor,
             variant=VARIANTS[settings.estimator],
         )
 
-    replicates = Replicates(first_in_space=len(stage.mesh))
+    replicates = Replicates(first_in_space=len(stage.mesh), doublings=like.doublings if like else 0)
     convergence: list[Standing] = []
     while (step := _next_step(settings, convergence, began)) != "stop":
         if step == "append":
@@ -160,7 +187,16 @@ def _estimate(
         convergence.append(_standing(settings, stage.mesh, replicates, clock.elapsed))
         progress(convergence[-1])
     clock.lap("estimate")
-    return _found(scene, settings, stage, effort, detail, replicates, tuple(convergence), clock)
+    sampling = SamplingPlan(
+        effort=effort,
+        replicates=replicates.count,
+        doublings=replicates.doublings,
+        direct_doublings=receivers.direct_doublings,
+        near_doublings=receivers.near_doublings,
+        edge=stage.edge,
+        starts=StartingCells.of(base),
+    )
+    return _found(scene, settings, stage, sampling, detail, replicates, tuple(convergence), clock)
 
 
 def _effort(settings: Settings, stage: Stage, executor: Executor) -> tuple[Effort, Receivers]:
@@ -223,7 +259,7 @@ def _found(
     scene: Scene,
     settings: Settings,
     stage: Stage,
-    effort: Effort,
+    sampling: SamplingPlan,
     detail: AngularDetail | None,
     replicates: Replicates,
     convergence: tuple[Standing, ...],
@@ -237,7 +273,7 @@ def _found(
         scene=scene,
         plan=stage.plan,
         settings=settings,
-        effort=effort,
+        effort=sampling.effort,
         field=field,
         planes=found_on_planes(scene, stage, replicates),
         observers=found_at_eyes(scene, stage, replicates),
@@ -248,4 +284,5 @@ def _found(
         edge=stage.edge,
         seconds=clock.seconds,
         convergence=convergence,
+        sampling=sampling,
     )

@@ -22,6 +22,7 @@ from lelight.pipelines.folder import (
     write_sights,
     write_tables,
 )
+from lelight.pipelines.likeness import SHARED_SETTINGS, settings_like
 from lelight.pipelines.record import run_record
 from lelight.settings import Settings
 from lelight.writing.views import write_overview
@@ -36,6 +37,7 @@ def run_calc(
     *,
     settings: Settings,
     given: Collection[str] = (),
+    like: Path | None = None,
     announce: Announce = lambda _: None,
     warn: Announce = lambda _: None,
     progress: Progress = lambda _: None,
@@ -45,6 +47,7 @@ def run_calc(
     Parameters
     ----------
     given : names of the settings that win over the scene file's ``[calc]`` table
+    like : result folder of a run to sample like, with its seed, edge and whatever else was not given
     warn : told, once all is written, what ``run.json`` lists as warnings beside a target that was missed
 
     Returns
@@ -54,12 +57,16 @@ def run_calc(
     """
     started = perf_counter()
     announce("reading")
+    sampling = None
+    if like is not None:
+        settings, sampling = settings_like(like, settings, given=given)
+        given = {*given, *SHARED_SETTINGS}
     scene = begin(scene_path, settings, given=given)
     out = out if out is not None else default_out(scene_path)
     prepare_folder(out)
     read = perf_counter()
     announce("estimating")
-    run = calculate(scene, settings, progress=progress)
+    run = calculate(scene, settings, like=sampling, progress=progress)
     announce("writing")
     written = perf_counter()
     withdraw_record(out)
