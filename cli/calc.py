@@ -20,11 +20,23 @@ from lelight.settings import Settings
 @SCENE
 @click.option("-o", "--out", type=NamedPath(), help="Result folder. Default: SCENE's stem.lelight.")
 @run_options
+@click.option(
+    "--like",
+    type=NamedPath(),
+    metavar="OUT",
+    help="Sample as the run in OUT did, for `lelight compare`; instead of --target and --time.",
+)
 @click.option("--resume", is_flag=True, help="Go on where a run that was stopped or killed has come to.")
 @click.option("--quiet", is_flag=True, help="No progress and no summary.")
-def command(scene: Path, out: Path | None, *, resume: bool, quiet: bool, **chosen: Any) -> None:
+def command(
+    scene: Path, out: Path | None, *, like: Path | None, resume: bool, quiet: bool, **chosen: Any
+) -> None:
     """Compute the light in SCENE (an OBJ, or a TOML that names one) and write all results."""
     given = {name: value for name, value in chosen.items() if value is not None}
+    if like is not None and given.keys() & {"target", "time"}:
+        raise click.UsageError("--like takes the other run's effort: leave --target and --time out")
+    if like is not None and resume:
+        raise click.UsageError("--like begins anew: leave --resume out")
     warnings: list[str] = []
     with watched(quiet=quiet) as (announce, progress):
         folder, run = run_calc(
@@ -34,6 +46,7 @@ def command(scene: Path, out: Path | None, *, resume: bool, quiet: bool, **chose
             given=given,
             resume="yes" if resume else "no",
             stop=STOP,
+            like=like,
             announce=announce,
             tell=lambda text: click.echo(f"lelight: {text}", err=True),
             warn=warnings.append,

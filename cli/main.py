@@ -19,6 +19,7 @@ COMMANDS = {
     "calc": "Compute the light in a scene and write all results.",
     "check": "Read a scene, show the plan, the lint and what a run will take.",
     "photometry": "Read photometric files: info, check, convert, ugr.",
+    "compare": "Say what differs between two results, and how sure that is.",
     "metrics": "Print every figure of a result.",
     "render": "Take a new picture of a result.",
     "report": "Write a PDF report of a result: luminance or glare.",

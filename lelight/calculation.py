@@ -16,6 +16,7 @@ from lelight.estimate.batch import Batch, Effort, estimate_batch
 from lelight.estimate.effort import choose_effort
 from lelight.estimate.interpolation import InterpolationError
 from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, pooled_error, visible_areas
+from lelight.estimate.samplingplan import SamplingPlan, StartingCells
 from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
 from lelight.estimate.variants import VARIANTS
 from lelight.field import RadianceField
@@ -56,6 +57,7 @@ class Calculation:
     seconds : by stage
     interpolation : error between the nodes, which no replicate sees
     convergence : one row a replicate added or doubling made
+    sampling : what another run needs to sample alike
     """
 
     scene: Scene
@@ -72,6 +74,7 @@ class Calculation:
     edge: float
     seconds: dict[str, float]
     convergence: tuple[Standing, ...]
+    sampling: SamplingPlan
 
 
 def calc(
@@ -107,6 +110,7 @@ def calculate(
     scene: Scene,
     settings: Settings,
     *,
+    like: SamplingPlan | None = None,
     progress: Progress = lambda _: None,
     keep: Keeper | None = None,
 ) -> Calculation:
@@ -114,6 +118,7 @@ def calculate(
 
     Parameters
     ----------
+    like : sample as another run did, instead of until a target or a time; its seed and edge are up to the settings
     keep : remembers what is found, and gives back what an earlier part of the run has found
     """
     require_light(scene)
@@ -126,7 +131,7 @@ def calculate(
             require_sound_mesh(scene, stage.mesh)
             if stage.base is not None:
                 require_sound_base(scene, stage.mesh, stage.base)
-            return _estimate(scene, settings, stage, executor, progress=progress, keep=keep)
+            return _estimate(scene, settings, stage, executor, like=like, progress=progress, keep=keep)
         except KeyboardInterrupt:
             executor.shutdown(wait=False, cancel_futures=True)
             keep.flush()
@@ -134,16 +139,30 @@ def calculate(
 
 
 def _estimate(
-    scene: Scene, settings: Settings, stage: Stage, executor: Executor, *, progress: Progress, keep: Keeper
+    scene: Scene,
+    settings: Settings,
+    stage: Stage,
+    executor: Executor,
+    *,
+    like: SamplingPlan | None,
+    progress: Progress,
+    keep: Keeper,
 ) -> Calculation:
     """Add replicates and double their sequences until the target, the time or their number is reached."""
     detail = angular_detail(stage.plan, stage.world.reflectances, directions=settings.directions)
-    effort, receivers = _effort(settings, stage, executor, keep)
+    base = stage.base
+    if like is None:
+        effort, receivers = _effort(settings, stage, executor, keep)
+    else:
+        effort, receivers = like.effort, like.shared_out(stage.receivers)
+        base = like.started_alike(base)
+        settings = replace(settings, batches=like.replicates)
     keep.clock.lap("effort")
     width = 0 if detail is None else detail.width
     form = course_form(receivers, width=width, channels=stage.world.channels)
     course = keep.state("course", form) or Course(
-        Replicates(first_in_space=len(stage.mesh)), began=keep.clock.elapsed
+        Replicates(first_in_space=len(stage.mesh), doublings=like.doublings if like else 0),
+        began=keep.clock.elapsed,
     )
     replicates = course.replicates
 
@@ -154,7 +173,7 @@ def _estimate(
             effort=effort,
             seed=(settings.seed, replicate),
             doubling=doubling,
-            base=stage.base,
+            base=base,
             detail=detail,
             executor=executor,
             variant=VARIANTS[settings.estimator],
@@ -181,7 +200,16 @@ def _estimate(
             keep.put("course", lambda: form.pack(course), supersedes=f"{unit}/")
         keep.clock.lap("estimate")
         keep.flush()
-    return _found(scene, settings, stage, effort, detail, course, keep.clock)
+    sampling = SamplingPlan(
+        effort=effort,
+        replicates=replicates.count,
+        doublings=replicates.doublings,
+        direct_doublings=receivers.direct_doublings,
+        near_doublings=receivers.near_doublings,
+        edge=stage.edge,
+        starts=StartingCells.of(base),
+    )
+    return _found(scene, settings, stage, sampling, detail, course, keep.clock)
 
 
 def _effort(settings: Settings, stage: Stage, executor: Executor, keep: Keeper) -> tuple[Effort, Receivers]:
@@ -243,7 +271,7 @@ def _found(
     scene: Scene,
     settings: Settings,
     stage: Stage,
-    effort: Effort,
+    sampling: SamplingPlan,
     detail: AngularDetail | None,
     course: Course,
     clock: Clock,
@@ -260,7 +288,7 @@ def _found(
         scene=scene,
         plan=stage.plan,
         settings=settings,
-        effort=effort,
+        effort=sampling.effort,
         field=field,
         planes=planes,
         observers=observers,
@@ -271,4 +299,5 @@ def _found(
         edge=stage.edge,
         seconds=clock.seconds,
         convergence=convergence,
+        sampling=sampling,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
@@ -26,6 +27,7 @@ from lelight.pipelines.folder import (
     write_sights,
     write_tables,
 )
+from lelight.pipelines.likeness import SHARED_SETTINGS, settings_like
 from lelight.pipelines.record import run_record
 from lelight.pipelines.resuming import Resume, checkpoint, is_finished
 from lelight.settings import Settings
@@ -42,6 +44,7 @@ def run_calc(
     *,
     settings: Settings,
     given: Collection[str] = (),
+    like: Path | None = None,
     resume: Resume = "no",
     stop: Stop | None = None,
     announce: Announce = lambda _: None,
@@ -54,6 +57,7 @@ def run_calc(
     Parameters
     ----------
     given : names of the settings that win over the scene file's ``[calc]`` table
+    like : result folder of a run to sample like, with its seed, edge and whatever else was not given
     resume : whether to go on with what an earlier run has kept in the folder
     stop : asked to stop the run, which then keeps what it has
     tell : told at once what was found of earlier runs in the folder
@@ -66,6 +70,12 @@ def run_calc(
     """
     started = perf_counter()
     announce("reading")
+    sampling = None
+    if like is not None:
+        settings, sampling = settings_like(like, settings, given=given)
+        # The number of replicates tells a checkpoint of this run from those of runs that are like no other.
+        settings = replace(settings, batches=sampling.replicates)
+        given = {*given, *SHARED_SETTINGS, "batches"}
     scene = begin(scene_path, settings, given=given)
     out = out if out is not None else default_out(scene_path)
     prepare_folder(out)
@@ -78,7 +88,7 @@ def run_calc(
         folder = checkpoint(out, identity, resume=resume, tell=tell)
         read = perf_counter() - started
         announce("estimating")
-        run = calculate(scene, settings, progress=progress, keep=Keeper(folder, stop=stop))
+        run = calculate(scene, settings, like=sampling, progress=progress, keep=Keeper(folder, stop=stop))
         announce("writing")
         for warning in _write(scene_path, out, run, read, identity):
             warn(warning)

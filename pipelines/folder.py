@@ -21,8 +21,12 @@ from lelight.writing.layout import write_layout
 from lelight.writing.paraview import write_paraview_script
 from lelight.writing.pictures import write_exr
 from lelight.writing.radiancehdr import write_hdr
+from lelight.writing.replicatesfile import write_replicates
 from lelight.writing.views import robust_range
 from lelight.writing.vtkfiles import write_index, write_luminaires, write_observers, write_plane
+
+#: What every replicate found, for `lelight compare` and ``calc --like``.
+REPLICATES = "replicates.npz"
 
 
 def prepare_folder(out: Path) -> None:
@@ -62,6 +66,8 @@ def write_geometry(out: Path, run: Calculation, stems: dict[str, dict[str, str]]
     """Write field, planes, luminaires, observers, the index and the ParaView script."""
     field_file = out / "field.vtp"
     run.field.save(field_file, header=_header(run))
+    with whole(out / REPLICATES) as beside:
+        write_replicates(beside, run.replicates, run.planes, run.observers, run.sampling)
     blocks: dict[str, dict[str, Path]] = {"field": {"field": field_file}}
     make_folder(out / "planes")
     blocks["planes"] = {}

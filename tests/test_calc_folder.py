@@ -52,6 +52,7 @@ FILES = {
     "paraview.py",
     "planes/work plane.csv",
     "planes/work plane.vtp",
+    "replicates.npz",
     "run.json",
     "scene.vtm",
 }

@@ -208,7 +208,7 @@ def error_reached(illuminance: FloatArray, std_error: FloatArray, *, areas: Floa
 
 
 def pooled_error(std_error: FloatArray, neighbours: IntArray) -> FloatArray:
-    """Standard error of nodes (n,), its square averaged half and half with those around them (n, 7).
+    """Average the square of the nodes' standard error (n,) half and half with those around them (n, 7).
 
     The spread of about ten replicates is itself uncertain by a quarter, and where a rare path is missing both value and
     spread come out low. In a stairwell at 10 % nominal 95 % intervals held 91 % by each node's own spread, 96 % so.

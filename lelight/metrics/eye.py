@@ -16,6 +16,8 @@ from lelight.results import ObserverValues
 from lelight.scene import FloatArray
 
 _Function = Callable[[FloatArray], float]
+#: A standard error below this share of its value is what is left of rounding.
+ROUNDING = 1e-12
 
 
 def eye_figures(values: ObserverValues) -> dict[str, Figure]:
@@ -137,7 +139,7 @@ def carried(
         undefined="not defined: no glare source, or no light beside it, in the picture",
         note=note,
     )
-    if figure.std_error == 0.0:
+    if figure.value is not None and (figure.std_error or 0.0) <= ROUNDING * abs(figure.value):
         # Made of the sources alone: what the indirect light is not sure of says nothing about it.
         return replace(figure, std_error=None, interval=None, method=method)
     return figure
