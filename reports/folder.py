@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 from lelight.errors import OutputError
 from lelight.reports.reading import Reading, readings_of
+from lelight.resultfiles import METRICS, RUN, Kind, read_object
 
 CALC = "`lelight calc SCENE -o OUT` writes it"
 
@@ -58,26 +58,20 @@ def open_folder(path: Path) -> ResultFolder:
     """
     if not path.is_dir():
         raise OutputError(f"{path}: no such result folder; `lelight calc SCENE -o {path}` makes it")
-    metrics = _json_object(path / "metrics.json")
+    metrics = _json_object(path / "metrics.json", METRICS)
     return ResultFolder(
         path=path,
-        run=_json_object(path / "run.json"),
+        run=_json_object(path / "run.json", RUN),
         planes=_subjects(path, metrics, "planes"),
         observers=_subjects(path, metrics, "observers"),
         room=_subject("Room", _object(path, metrics, "room")),
     )
 
 
-def _json_object(path: Path) -> Mapping[str, Any]:
+def _json_object(path: Path, kind: Kind) -> Mapping[str, Any]:
     if not path.is_file():
         raise OutputError(f"{path}: missing; {CALC}")
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError) as error:
-        raise OutputError(f"{path}: not JSON ({error}); {CALC} anew") from error
-    if not isinstance(content, dict):
-        raise OutputError(f"{path}: found a {type(content).__name__} instead of an object; {CALC} anew")
-    return content
+    return read_object(path, kind, remedy=f"{CALC} anew")
 
 
 def _object(path: Path, parent: Mapping[str, Any], key: str) -> Mapping[str, Any]:
