@@ -17,6 +17,7 @@ import numpy as np
 
 from lelight.camera import Camera, as_picture, stratified_offsets
 from lelight.channels import luminance_weighted
+from lelight.errors import OutputError
 from lelight.estimate.paths import Paths, meet
 from lelight.harmonics.frames import to_local
 from lelight.harmonics.indices import degree_of
@@ -29,6 +30,7 @@ from lelight.mesh.patches import patches
 from lelight.plan import stored_degree
 from lelight.results import NodeValues
 from lelight.scene import FloatArray, IntArray, Scene
+from lelight.spectral.bands import BANDS
 from lelight.tracing.openings import seen_openings
 from lelight.tracing.world import World, build_world
 from lelight.writing.fieldfile import read_field, write_field
@@ -305,7 +307,17 @@ class RadianceField:
         """Read a field that `save` wrote, for the scene it was computed for."""
         mesh, values, _ = read_field(Path(path))
         channels = values.illuminance.shape[1]
-        return cls(scene, mesh, values, patches(scene), build_world(scene, channels))
+        labels = patches(scene)
+        _require_of_scene(Path(path), mesh, channels, scene, labels)
+        return cls(scene, mesh, values, labels, build_world(scene, channels))
+
+
+def _require_of_scene(path: Path, mesh: NodeMesh, channels: int, scene: Scene, labels: IntArray) -> None:
+    """Refuse a field whose materials, patches or channels the scene does not have."""
+    bounds = ((mesh.materials, len(scene.materials)), (mesh.patches, int(labels.max(initial=-1)) + 1))
+    within = all(numbers.min(initial=0) >= 0 and numbers.max(initial=-1) < most for numbers, most in bounds)
+    if not within or not set(np.unique(mesh.sides)) <= {-1, 1} or channels not in (1, 3, BANDS):
+        raise OutputError(f"{path}: not of the scene {scene.name}: write it again with lelight calc")
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

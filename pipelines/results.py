@@ -2,34 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-from lelight.errors import OutputError
 from lelight.metrics.table import rows
+from lelight.resultfiles import METRICS, RUN, read_object
 
 
 def read_metrics(out: Path) -> dict[str, Any]:
     """Figures of a result folder as ``metrics.json`` holds them."""
-    return _read_json(out / "metrics.json", out)
+    return read_object(out / "metrics.json", METRICS, remedy=f"`lelight calc SCENE -o {out}` makes it")
 
 
 def read_run(out: Path) -> dict[str, Any]:
     """Record of the run that made a result folder."""
-    return _read_json(out / "run.json", out)
-
-
-def _read_json(path: Path, out: Path) -> dict[str, Any]:
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise OutputError(f"{path}: {error.strerror}; `lelight calc SCENE -o {out}` makes it") from error
-    except (ValueError, RecursionError) as error:
-        raise OutputError(f"{path}: not JSON ({error}); run `lelight calc SCENE -o {out}` again") from error
-    if not isinstance(content, dict):
-        raise OutputError(f"{path}: not an object; run `lelight calc SCENE -o {out}` again")
-    return content
+    return read_object(out / "run.json", RUN, remedy=f"`lelight calc SCENE -o {out}` makes it")
 
 
 def table_lines(table: dict[str, Any]) -> list[str]:

@@ -14,7 +14,8 @@ from lelight.reports.figures.polar import radiance_curves
 from lelight.reports.folder import CALC, ResultFolder
 from lelight.reports.rounding import fixed, significant, vector, with_unit
 from lelight.scene import FloatArray, IntArray
-from lelight.writing.polydata import PolyData, read_polydata
+from lelight.writing.polydata import PolyData
+from lelight.writing.vtpreading import read_polydata
 
 #: Nodes that are shown at most, and of one material.
 MOST_NODES, MOST_OF_MATERIAL = 6, 2

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ import lelight
 from lelight.errors import OutputError
 from lelight.reports.reading import Reading, readings_of
 from lelight.reports.texts import Texts, read_texts
+from lelight.resultfiles import METRICS, RUN, Kind, read_object
 
 CALC = "`lelight calc SCENE -o OUT` writes it"
 
@@ -70,9 +70,9 @@ def open_folder(path: Path, texts: Texts | None = None) -> ResultFolder:
     texts = texts or read_texts()
     if not path.is_dir():
         raise OutputError(f"{path}: no such result folder; `lelight calc SCENE -o {path}` makes it")
-    run = _json_object(path / "run.json")
+    run = _json_object(path / "run.json", RUN)
     _require_known_version(path / "run.json", run)
-    metrics = _json_object(path / "metrics.json")
+    metrics = _json_object(path / "metrics.json", METRICS)
     return ResultFolder(
         path=path,
         run=run,
@@ -100,16 +100,10 @@ def _release(version: str) -> tuple[int, ...]:
     return tuple(int(number) for number in numbers[0].split(".")) if numbers else ()
 
 
-def _json_object(path: Path) -> Mapping[str, Any]:
+def _json_object(path: Path, kind: Kind) -> Mapping[str, Any]:
     if not path.is_file():
         raise OutputError(f"{path}: missing; {CALC}")
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError) as error:
-        raise OutputError(f"{path}: not JSON ({error}); {CALC} anew") from error
-    if not isinstance(content, dict):
-        raise OutputError(f"{path}: found a {type(content).__name__} instead of an object; {CALC} anew")
-    return content
+    return read_object(path, kind, remedy=f"{CALC} anew")
 
 
 def _object(path: Path, parent: Mapping[str, Any], key: str) -> Mapping[str, Any]:

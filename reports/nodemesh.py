@@ -11,8 +11,8 @@ import numpy as np
 from lelight.errors import OutputError
 from lelight.reports.folder import CALC
 from lelight.scene import BoolArray, FloatArray, IntArray
-from lelight.writing.polydata import read_polydata
 from lelight.writing.views import partly_seen, shown_values
+from lelight.writing.vtpreading import read_polydata
 
 #: cos of the steepest slope that still counts as facing up.
 UPWARD = 0.5

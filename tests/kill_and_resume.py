@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lelight.writing.polydata import read_polydata
+from lelight.writing.vtpreading import read_polydata
 
 SCENES = Path(__file__).parents[1] / "scenes"
 #: Scenes and what makes a run of each take half a minute or so.

@@ -13,10 +13,20 @@ POISON = (
 )  # fmt: skip
 
 
-def mutated(source: bytes, rng: np.random.Generator) -> bytes:
+#: Pieces that break readers of scenes and results.
+POISON_OF_SCENES = (
+    *POISON, b"1e308", b"-0", b"[[", b"]]", b"{", b"}", b'"', b"=", b"[materials]", b"[[luminaires]]", b"null",
+    b"true", b"[[[[[[[[", b"f 1 1 1", b"f 1 2 3 4 5 6 7", b"f -1 -2 -3", b"f 1//2 2/3 3", b"v 1 2", b"usemtl", b"\\",
+    b"mtllib ../../etc/passwd", b"mtllib /etc/passwd", b"newmtl x", b"Kd 1e9 0 0", b"Kd -1", b"Ke 1e30", b"Ns 1e9",
+    b'geometry = "../x.obj"', b"unit = 3", b'"*" = { reflectance = 2 }', b"9" * 5000, b"a" * 5000, b"\xed\xa0\x80",
+)  # fmt: skip
+
+
+def mutated(source: bytes, rng: np.random.Generator, poison: tuple[bytes, ...] = POISON) -> bytes:
     """Damage a file in one to three places."""
     for _ in range(int(rng.integers(1, 4))):
-        source = _DAMAGES[int(rng.integers(len(_DAMAGES)))](source, rng)
+        damage = _DAMAGES[int(rng.integers(len(_DAMAGES)))]
+        source = damage(source, rng, poison) if damage in _POISONINGS else damage(source, rng)
     return source
 
 
@@ -33,15 +43,15 @@ def _flipped(source: bytes, rng: np.random.Generator) -> bytes:
     return source[:k] + bytes([int(rng.integers(256))]) + source[k + 1 :]
 
 
-def _poisoned_line(source: bytes, rng: np.random.Generator) -> bytes:
+def _poisoned_line(source: bytes, rng: np.random.Generator, poison: tuple[bytes, ...]) -> bytes:
     lines = source.split(b"\n")
-    lines[int(rng.integers(len(lines)))] = POISON[int(rng.integers(len(POISON)))]
+    lines[int(rng.integers(len(lines)))] = poison[int(rng.integers(len(poison)))]
     return b"\n".join(lines)
 
 
-def _poisoned_token(source: bytes, rng: np.random.Generator) -> bytes:
+def _poisoned_token(source: bytes, rng: np.random.Generator, poison: tuple[bytes, ...]) -> bytes:
     tokens = source.split(b" ")
-    tokens[int(rng.integers(len(tokens)))] = POISON[int(rng.integers(len(POISON)))]
+    tokens[int(rng.integers(len(tokens)))] = poison[int(rng.integers(len(poison)))]
     return b" ".join(tokens)
 
 
@@ -64,9 +74,9 @@ def _lines_exchanged(source: bytes, rng: np.random.Generator) -> bytes:
     return b"\n".join(lines)
 
 
-def _inserted(source: bytes, rng: np.random.Generator) -> bytes:
+def _inserted(source: bytes, rng: np.random.Generator, poison: tuple[bytes, ...]) -> bytes:
     k = _at(source, rng)
-    return source[:k] + POISON[int(rng.integers(len(POISON)))] + source[k:]
+    return source[:k] + poison[int(rng.integers(len(poison)))] + source[k:]
 
 
 def _digits_changed(source: bytes, rng: np.random.Generator) -> bytes:
@@ -86,3 +96,4 @@ _DAMAGES = (
     _truncated, _flipped, _poisoned_line, _poisoned_line, _poisoned_token, _poisoned_token, _line_dropped,
     _line_repeated, _lines_exchanged, _inserted, _digits_changed, _digits_changed, _line_ends,
 )  # fmt: skip
+_POISONINGS = (_poisoned_line, _poisoned_token, _inserted)

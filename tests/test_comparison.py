@@ -26,8 +26,8 @@ from lelight.comparison import (
 from lelight.metrics.figure import from_replicates
 from lelight.pipelines.compare import run_compare
 from lelight.settings import Settings
-from lelight.writing.polydata import read_polydata
 from lelight.writing.replicatesfile import read_replicates
+from lelight.writing.vtpreading import read_polydata
 
 
 @pytest.fixture(scope="module")

@@ -393,7 +393,7 @@ def test_picture_statistics_weigh_by_solid_angle(tmp_path):
         ("metrics.json", "{", "not JSON"),
         ("metrics.json", "[]", "list instead of an object"),
         ("metrics.json", '{"planes": []}', "'planes' is not an object"),
-        ("metrics.json", '{"planes": {"p": 1}}', "'p' is not an object"),
+        ("metrics.json", '{"planes": {"p": 1}}', "'planes.p' is not an object"),
         ("run.json", "\x00", "not JSON"),
     ],
 )

@@ -31,7 +31,7 @@ from lelight.errors import OutputError
 from lelight.estimate.batch import Effort
 from lelight.reading.loading import load
 from lelight.settings import Settings
-from lelight.writing.polydata import read_polydata
+from lelight.writing.vtpreading import read_polydata
 
 #: Long enough for replicates that double, and short.
 SETTINGS = Settings(edge=0.7, target=0.04, threads=2, adaptive=True)

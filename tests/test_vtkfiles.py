@@ -183,7 +183,7 @@ def test_files_that_are_missing_or_not_ours_are_refused(tmp_path):
     with pytest.raises(OutputError, match="No such file"):
         read_field(tmp_path / "field.vtp")
     pyvista.Sphere().save(tmp_path / "sphere.vtp")
-    with pytest.raises(OutputError, match="not a field of lelight: 'lelight' is missing"):
+    with pytest.raises(OutputError, match="not a field of lelight: it has no appended data"):
         read_field(tmp_path / "sphere.vtp")
     (tmp_path / "other.vtp").write_text("<VTKFile>nonsense</VTKFile>", encoding="utf-8")
     with pytest.raises(OutputError, match=r"other\.vtp"):

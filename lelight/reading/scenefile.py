@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from lelight.errors import InputError
-from lelight.reading.inputfile import file_contents, quoted
+from lelight.reading.inputfile import LONGEST_QUOTE, file_contents, quoted
 from lelight.reading.scenetables import SceneTables
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
@@ -91,6 +91,7 @@ def dotted(place: list[int | str]) -> str:
         if isinstance(step, int):
             text += f"[{step}]"
         else:
-            key = step if _BARE_KEY.fullmatch(step) else quoted(step)
+            bare = _BARE_KEY.fullmatch(step) and len(step) <= LONGEST_QUOTE
+            key = step if bare else quoted(step)
             text += f".{key}" if text else key
     return text or "the file"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,11 @@ from lelight.errors import OutputError
 from lelight.mesh.nodes import NodeMesh
 from lelight.results import NodeValues
 from lelight.scene import FloatArray, IntArray
-from lelight.writing.polydata import PolyData, read_polydata, write_polydata
+from lelight.writing.polydata import PolyData, write_polydata
+from lelight.writing.vtpreading import read_polydata
+
+#: More channels than any run carries.
+MOST_CHANNELS = 1000
 
 SH_CONVENTION = (
     "real orthonormal, no Condon-Shortley phase, index l*l + l + m, "
@@ -94,11 +99,53 @@ def read_field(path: Path) -> tuple[NodeMesh, NodeValues, dict[str, Any]]:
     try:
         header = json.loads(content.texts["lelight"][0])
         header["material_names"] = list(content.texts["material_names"])
+        _require_shapes(content, header["channels"])
         return _node_mesh(content), _node_values(content, header["channels"]), header
     except KeyError as missing:
         raise OutputError(
             f"{path}: not a field of lelight: {missing} is missing: give field.vtp of a finished run"
         ) from missing
+    except (ValueError, TypeError, AttributeError, IndexError, RecursionError) as error:
+        told = " ".join(str(error).split())[:150]
+        raise OutputError(f"{path}: damaged ({told}): write it again with lelight calc") from error
+
+
+def _require_shapes(content: PolyData, channels: Any) -> None:
+    """Check that arrays have the components that they should, and finite numbers.
+
+    Raises
+    ------
+    KeyError, ValueError
+        where one is missing, or not as it should be
+    """
+    if not isinstance(channels, int) or isinstance(channels, bool) or not 1 <= channels <= MOST_CHANNELS:
+        raise ValueError("its channels are no number of them")
+    arrays, count = content.point_arrays, len(content.points)
+    if content.polygons.shape[1:] != (3,) and len(content.polygons):
+        raise ValueError("its polygons are no triangles")
+    singles = ("illuminance_lx", "direct_illuminance_lx", "scalar_illuminance_lx")
+    expected: dict[str, tuple[int, ...]] = dict.fromkeys(
+        ("area_m2", "hidden", "sh_degree", "illuminance_std_error_lx"), (count,)
+    )
+    expected |= dict.fromkeys(("corner_m", "normal", "frame_x"), (count, 3))
+    for suffix in channel_suffixes(channels):
+        expected |= {name + suffix: (count,) for name in singles}
+        expected |= {"light_vector_lx" + suffix: (count, 3)}
+        harmonics = arrays["radiance_sh" + suffix].size // max(count, 1)
+        if math.isqrt(harmonics) ** 2 != harmonics:
+            raise ValueError("'radiance_sh' has no square number of components")
+        expected["radiance_sh" + suffix] = (count,) if harmonics == 1 else (count, harmonics)
+    for name, shape in expected.items():
+        if count and arrays[name].shape != shape:
+            raise ValueError(f"{name!r} has the shape {arrays[name].shape}, not {shape}")
+        if name != "illuminance_std_error_lx" and not np.isfinite(arrays[name]).all():
+            raise ValueError(f"{name!r} has numbers that are not finite")
+    stored = math.isqrt(arrays["radiance_sh" + channel_suffixes(channels)[0]].size // max(count, 1)) - 1
+    degrees = arrays["sh_degree"]
+    if count and not (degrees.min() >= 0 and degrees.max() <= max(stored, 0)):
+        raise ValueError("'sh_degree' is beyond what is stored")
+    if not np.isfinite(content.points).all():
+        raise ValueError("its points are not finite")
 
 
 def _photometric_arrays(

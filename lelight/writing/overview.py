@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pyvista
 
-from lelight.writing.polydata import read_polydata
 from lelight.writing.views import partly_seen, robust_range, shown_values
+from lelight.writing.vtpreading import read_polydata
 
 WINDOW = (1400, 1000)
 

@@ -12,19 +12,16 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.vtkCommonCore import vtkObject, vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkCommonMisc import vtkErrorCode
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPolyDataWriter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from lelight.errors import OutputError
 from lelight.scene import FloatArray, IntArray
 from lelight.writing.files import whole
 
 Arrays = Mapping[str, NDArray[Any]]
-
-_CLOSING_TAG = b"</VTKFile>"
 
 
 def _no_cells() -> IntArray:
@@ -70,39 +67,6 @@ def write_polydata(path: Path, content: PolyData) -> None:
         writer.SetFileName(str(beside))
         if not writer.Write():
             raise _system_error(writer.GetErrorCode())
-
-
-def read_polydata(path: Path) -> PolyData:
-    """Read a ``.vtp`` whose polygons all have as many corners; markers and lines are left out.
-
-    Raises
-    ------
-    OutputError
-        where the file is missing, cut off, damaged or not poly data
-    """
-    _check_complete(path)
-    reader = vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    with _quiet_vtk():
-        reader.Update()
-    if reader.GetErrorCode():
-        raise OutputError(f"{path}: damaged, VTK cannot read its arrays: write it again with lelight calc")
-    return _from_vtk(reader.GetOutput())
-
-
-def _check_complete(path: Path) -> None:
-    try:
-        with path.open("rb") as stream:
-            stream.seek(max(0, path.stat().st_size - 64))
-            complete = stream.read().rstrip().endswith(_CLOSING_TAG)
-    except OSError as error:
-        raise OutputError(
-            f"{path}: cannot be read: {error.strerror}: give the folder that lelight calc wrote"
-        ) from error
-    if not complete:
-        raise OutputError(
-            f"{path}: cut off or not a VTK file (no closing tag): write it again with lelight calc"
-        )
 
 
 @contextmanager
@@ -168,32 +132,3 @@ def _vtk_strings(name: str, texts: tuple[str, ...]) -> Any:
     for text in texts:
         array.InsertNextValue(text)
     return array
-
-
-def _from_vtk(polydata: Any) -> PolyData:
-    points = polydata.GetPoints()
-    polygons = polydata.GetPolys()
-    corners = vtk_to_numpy(polygons.GetConnectivityArray()).astype(np.int64)
-    count = polygons.GetNumberOfCells()
-    return PolyData(
-        points=np.zeros((0, 3)) if points is None else vtk_to_numpy(points.GetData()).copy(),
-        polygons=corners.reshape(count, -1) if count else _no_cells(),
-        point_arrays=_numbers(polydata.GetPointData()),
-        cell_arrays=_numbers(polydata.GetCellData()),
-        texts=_strings(polydata.GetFieldData()),
-        cell_texts=_strings(polydata.GetCellData()),
-    )
-
-
-def _numbers(attributes: Any) -> dict[str, NDArray[Any]]:
-    arrays = (attributes.GetArray(index) for index in range(attributes.GetNumberOfArrays()))
-    return {array.GetName(): vtk_to_numpy(array).copy() for array in arrays if array is not None}
-
-
-def _strings(attributes: Any) -> dict[str, tuple[str, ...]]:
-    arrays = (attributes.GetAbstractArray(index) for index in range(attributes.GetNumberOfArrays()))
-    return {
-        array.GetName(): tuple(array.GetValue(row) for row in range(array.GetNumberOfValues()))
-        for array in arrays
-        if array.IsA("vtkStringArray")
-    }
