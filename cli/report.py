@@ -28,6 +28,7 @@ PAPERS = {"a4": "a4", "letter": "us-letter"}
 @click.option("--figures-only", is_flag=True, help="Write the figures as SVG into OUT/figures/KIND instead.")
 def command(kind: str, out: Path, *, paper: str, language: str, **wanted: Any) -> None:
     """Write OUT/luminance.pdf or OUT/glare.pdf from the result folder OUT."""
+    from lelight.reports.report import Order
     from lelight.reports.texts import languages
 
     if language not in languages():
@@ -40,7 +41,7 @@ def command(kind: str, out: Path, *, paper: str, language: str, **wanted: Any) -
             from lelight.reports.luminance import write_luminance_report as write
         else:
             from lelight.reports.glare import write_glare_report as write
-        path = write(out, paper=PAPERS[paper], language=language, announce=announce, **wanted)
+        path = write(out, Order(paper=PAPERS[paper], language=language, announce=announce, **wanted))
     for warning in caught:
         click.echo(f"lelight: warning: {warning.message}", err=True)
     click.echo(path)

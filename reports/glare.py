@@ -16,7 +16,7 @@ from lelight.reports.folder import ResultFolder, Subject
 from lelight.reports.method import method_figures, method_page
 from lelight.reports.pictures import LuminancePicture
 from lelight.reports.reading import Reading, reading_named
-from lelight.reports.report import Announce, Figures, Order, silent, write_report
+from lelight.reports.report import Announce, Figures, Order, write_report
 from lelight.reports.rounding import MISSING
 from lelight.reports.sights import common_scale, picture_statistics, read_pictures
 from lelight.reports.sources import source_rows, sources_of
@@ -38,31 +38,20 @@ RATINGS = (
 SUMMARY = ("ugr", "ugr_max", "ugr_picture", "dgp", "background_luminance")
 
 
-def write_glare_report(
-    out: Path,
-    *,
-    title: str | None = None,
-    author: str | None = None,
-    paper: str = "a4",
-    logo: Path | None = None,
-    language: str = "en",
-    figures_only: bool = False,
-    announce: Announce = silent,
-) -> Path:
+def write_glare_report(out: Path, order: Order | None = None) -> Path:
     """Write ``glare.pdf`` into a result folder, or its figures alone; returns the path.
 
     Parameters
     ----------
     out : a folder that ``lelight calc`` wrote
-    title, author, paper, logo, language, figures_only, announce : see `lelight.reports.report.Order`
+    order : how it is wanted; default A4 in English
 
     Raises
     ------
     OutputError
         Something is missing in the folder; the line says which command makes it.
     """
-    order = Order(title, author, paper, logo, language, figures_only, announce)
-    return write_report(out, "glare", _content, order)
+    return write_report(out, "glare", _content, order or Order())
 
 
 def _content(folder: ResultFolder, announce: Announce) -> tuple[dict[str, Any], Figures]:

@@ -20,7 +20,7 @@ from lelight.reports.figures.planechart import (
 from lelight.reports.folder import ResultFolder, Subject
 from lelight.reports.method import method_figures, method_page
 from lelight.reports.planegrid import PlaneGrid
-from lelight.reports.report import Announce, Figures, Order, silent, write_report
+from lelight.reports.report import Announce, Figures, Order, write_report
 from lelight.reports.sights import common_scale, picture_statistics, read_pictures, zone_rows
 from lelight.reports.summary import is_main, rows_of, summary_table, verdict_sentence
 from lelight.reports.surfaces import luminaire_table, material_rows
@@ -45,31 +45,20 @@ OBSERVER_FIGURES = (
 )  # fmt: skip
 
 
-def write_luminance_report(
-    out: Path,
-    *,
-    title: str | None = None,
-    author: str | None = None,
-    paper: str = "a4",
-    logo: Path | None = None,
-    language: str = "en",
-    figures_only: bool = False,
-    announce: Announce = silent,
-) -> Path:
+def write_luminance_report(out: Path, order: Order | None = None) -> Path:
     """Write ``luminance.pdf`` into a result folder, or its figures alone; returns the path.
 
     Parameters
     ----------
     out : a folder that ``lelight calc`` wrote
-    title, author, paper, logo, language, figures_only, announce : see `lelight.reports.report.Order`
+    order : how it is wanted; default A4 in English
 
     Raises
     ------
     OutputError
         Something is missing in the folder; the line says which command makes it.
     """
-    order = Order(title, author, paper, logo, language, figures_only, announce)
-    return write_report(out, "luminance", _content, order)
+    return write_report(out, "luminance", _content, order or Order())
 
 
 def _content(folder: ResultFolder, announce: Announce) -> tuple[dict[str, Any], Figures]:

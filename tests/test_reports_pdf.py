@@ -16,6 +16,7 @@ from lelight.errors import OutputError
 from lelight.reports.document import MissingGlyphWarning, timestamp_of
 from lelight.reports.glare import write_glare_report
 from lelight.reports.luminance import write_luminance_report
+from lelight.reports.report import Order
 from lelight.reports.summary import MAIN
 from lelight.writing.pictures import write_exr
 from lelight.writing.polydata import PolyData, write_polydata
@@ -36,7 +37,7 @@ def out(tmp_path_factory):
 @pytest.fixture(scope="module")
 def pdfs(out):
     """Both reports, by the function that writes them."""
-    return {write: write(out, title="Head office", author="A. Nyone") for write in WRITERS}
+    return {write: write(out, Order(title="Head office", author="A. Nyone")) for write in WRITERS}
 
 
 def text_of(pdf):
@@ -59,7 +60,7 @@ def test_the_same_folder_gives_the_same_bytes(out, pdfs, write, monkeypatch, tmp
     shutil.copytree(out, copy)
     monkeypatch.setenv("TZ", "Pacific/Auckland")
     monkeypatch.setenv("TMPDIR", str(tmp_path))
-    assert write(copy, title="Head office", author="A. Nyone").read_bytes() == first
+    assert write(copy, Order(title="Head office", author="A. Nyone")).read_bytes() == first
     assert str(tmp_path).encode() not in first
 
 
@@ -212,7 +213,7 @@ def test_charts_of_a_plane_do_not_spill_onto_a_page_of_their_own(figures, tmp_pa
     folder = make_result_folder(tmp_path / "x", pixels=16, observers=("one",))
     more = {f"figure_{k}": figure(100.0 + k, "lx", 1.0) for k in range(figures)}
     change(folder, "metrics.json", lambda metrics: metrics["planes"]["work plane"].update(more))
-    pdf = write_luminance_report(folder, paper="us-letter")
+    pdf = write_luminance_report(folder, Order(paper="us-letter"))
     subprocess.run(["pdftoppm", "-r", "20", "-gray", str(pdf), str(tmp_path / "page")], check=True)
     pages = sorted(tmp_path.glob("page*"))
     assert min(_filled(page) for page in pages[:-1]) > 0.3
@@ -240,7 +241,7 @@ NASTY = [
 @pytest.mark.parametrize("write", WRITERS)
 def test_names_are_data_whatever_they_hold(write, tmp_path):
     folder = make_result_folder(tmp_path / "x", planes=NASTY[:1], observers=NASTY[1:], pixels=16)
-    text = text_of(write(folder, title=NASTY[0], author=NASTY[1])).replace("\u200b", "")
+    text = text_of(write(folder, Order(title=NASTY[0], author=NASTY[1]))).replace("\u200b", "")
     assert [name for name in (NASTY[0], NASTY[1], NASTY[4], "NNNNNNNN") if name not in text] == []
     assert sorted(path.name for path in tmp_path.iterdir()) == ["x"]
 
@@ -278,7 +279,7 @@ def test_a_number_stands_in_for_a_letter_that_no_font_has(tmp_path):
 def test_figures_alone_are_written_as_svg(out, tmp_path):
     copy = tmp_path / "copy.lelight"
     shutil.copytree(out, copy)
-    written = {write: write(copy, figures_only=True) for write in WRITERS}
+    written = {write: write(copy, Order(figures_only=True)) for write in WRITERS}
     assert not list(copy.glob("*.pdf")) or all((out / name.name).exists() for name in copy.glob("*.pdf"))
     names = {path.name for path in written[write_luminance_report].iterdir()}
     assert {"plan.svg", "isometric.svg", "view-A.svg", "isolines-P1.svg", "luminaire-1.svg"} <= names
@@ -294,7 +295,7 @@ def test_a_logo_is_set_or_refused_in_one_line(tmp_path):
     logo.write_text(
         '<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"><rect width="9" height="9"/></svg>'
     )
-    assert write_glare_report(folder, logo=logo).stat().st_size > 10_000
+    assert write_glare_report(folder, Order(logo=logo)).stat().st_size > 10_000
     for name, content, told in (
         ("bad.png", b"no picture", "is no picture"),
         ("logo.gif", b"GIF89a", "a logo is one of .svg"),
@@ -303,7 +304,7 @@ def test_a_logo_is_set_or_refused_in_one_line(tmp_path):
         if content is not None:
             (tmp_path / name).write_bytes(content)
         with pytest.raises(OutputError, match=r"^[^\n]+$") as error:
-            write_glare_report(folder, logo=tmp_path / name)
+            write_glare_report(folder, Order(logo=tmp_path / name))
         assert str(tmp_path / name) in str(error.value)
         assert told in str(error.value)
 
@@ -384,4 +385,4 @@ def test_a_folder_that_is_not_there_is_told(write, tmp_path):
 
 def test_a_paper_that_is_none_is_the_callers_mistake(out):
     with pytest.raises(ValueError, match="paper: 'a5x' is none of a3, a4"):
-        write_luminance_report(out, paper="a5x")
+        write_luminance_report(out, Order(paper="a5x"))
