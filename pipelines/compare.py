@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -244,10 +244,7 @@ def _judged(figures: list[FigureDifference]) -> list[FigureDifference]:
     order = {"room": 0, "materials": 1, "planes": 2, "observers": 3}
     figures = sorted(figures, key=lambda each: (order[each.group], each.name, not each.paired, each.figure))
     return [
-        each
-        if each.p_value is None
-        else FigureDifference(**vars(each) | {"significant": each.p_value < level})
-        for each in figures
+        each if each.p_value is None else replace(each, significant=each.p_value < level) for each in figures
     ]
 
 

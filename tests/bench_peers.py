@@ -17,9 +17,9 @@ import numpy as np
 from coverage_of import scene_of
 from mitsuba_scene import illuminance_by_mitsuba, mitsuba_scene
 from rooms import glossy_room
-from scipy.stats import t as student
 
 from lelight.calculation import Calculation, calculate
+from lelight.comparison import of_estimates, sidak_level
 from lelight.scene import FloatArray, IntArray, Scene
 from lelight.settings import Settings
 
@@ -47,11 +47,9 @@ def reference(scene: Scene, run: Calculation, nodes: IntArray) -> tuple[FloatArr
 
 def agreement(run: Calculation, nodes: IntArray, expected: FloatArray, error: FloatArray) -> str:
     """Compare place by place, by Welch's t."""
-    own = run.field.std_error[nodes]
-    difference, square = run.replicates.mean[nodes] - expected, own**2 + error**2
-    freedom = square**2 / (own**4 / (run.replicates.count - 1) + error**4 / (BATCHES - 1))
-    p = 2 * student.sf(np.abs(difference) / np.sqrt(square), freedom)
-    bound = 1 - 0.95 ** (1 / len(nodes))
+    freedom = [np.full(len(nodes), count - 1.0) for count in (BATCHES, run.replicates.count)]
+    found = of_estimates(expected, run.replicates.mean[nodes], error, run.field.std_error[nodes], *freedom)
+    p, difference, bound = found.p_values, found.difference, sidak_level(len(nodes))
     return (
         f"smallest p {p.min():.2g}, bound {bound:.2g}: {'agree' if p.min() > bound else 'DIFFER'}; "
         f"p < 0.05 at {np.mean(p < 0.05):.1%}; mean difference {difference.mean() / expected.mean():+.3%}"

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rooms import glossy_room
-from scipy.stats import t as student
 
 from lelight.calculation import calculate
+from lelight.comparison import of_estimates
 from lelight.settings import Settings
 
 PLACES, BATCHES, PATHS = 60, 8, 1024
@@ -32,9 +32,7 @@ def test_a_glossy_room_has_the_light_that_mitsuba_finds():
         illuminance_by_mitsuba(built, points, normals, paths=PATHS, seed=seed) for seed in range(BATCHES)
     ]
     expected, error = np.mean(batches, axis=0), np.std(batches, axis=0, ddof=1) / np.sqrt(BATCHES)
-    own = run.field.std_error[nodes]
-    difference, square = run.replicates.mean[nodes] - expected, own**2 + error**2
-    freedom = square**2 / (own**4 / (run.replicates.count - 1) + error**4 / (BATCHES - 1))
-    p = 2 * student.sf(np.abs(difference) / np.sqrt(square), freedom)
-    assert p.min() > 1 - 0.99 ** (1 / len(nodes))
-    assert difference.mean() / expected.mean() == pytest.approx(0.0, abs=0.005)
+    freedom = [np.full(len(nodes), count - 1.0) for count in (BATCHES, run.replicates.count)]
+    found = of_estimates(expected, run.replicates.mean[nodes], error, run.field.std_error[nodes], *freedom)
+    assert found.p_values.min() > 1 - 0.99 ** (1 / len(nodes))
+    assert found.difference.mean() / expected.mean() == pytest.approx(0.0, abs=0.005)

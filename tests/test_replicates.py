@@ -25,12 +25,20 @@ def batch(direct, indirect, *, angular=1.0):
     return Batch(*moments, np.full((1, 4, 1), angular), vertices=3, rays=10, seconds={"chains": 0.5})
 
 
+def grow(replicates, step, batches):
+    """Take a step's batches, as a run does; with the last of them the step is over."""
+    replicates.start(step)
+    for each in batches:
+        replicates.take(each)
+    assert replicates.step is None
+
+
 def test_totals_means_and_errors_are_those_of_all_replicates():
     """Three receivers, two replicates; the standard error of two values a, b is |a - b| / 2."""
     replicates = Replicates(first_in_space=2)
-    replicates.append([batch([1.0, 2.0, 3.0], [4.0, 5.0, 6.0], angular=1.0)])
+    grow(replicates, "append", [batch([1.0, 2.0, 3.0], [4.0, 5.0, 6.0], angular=1.0)])
     assert np.all(np.isinf(replicates.std_error))
-    replicates.append([batch([3.0, 2.0, 1.0], [5.0, 5.0, 4.0], angular=2.0)])
+    grow(replicates, "append", [batch([3.0, 2.0, 1.0], [5.0, 5.0, 4.0], angular=2.0)])
     assert np.array_equal(replicates.direct[:, ILLUMINANCE, 0], [4.0, 4.0, 4.0])
     assert np.array_equal(replicates.indirect[:, ILLUMINANCE, 0], [9.0, 10.0, 10.0])
     assert np.all(replicates.angular == 3.0)
@@ -53,10 +61,10 @@ def test_every_point_of_a_doubled_sequence_has_the_same_weight():
     """Start, first and second doubling hold 1, 1 and 2 parts of the points."""
     replicates = Replicates(first_in_space=3)
     for r in range(2):
-        replicates.append([stretch_of(r, 0)])
-    replicates.double(stretch_of(r, 1) for r in range(2))
-    replicates.double(stretch_of(r, 2) for r in range(2))
-    replicates.append(stretch_of(2, k) for k in range(3))
+        grow(replicates, "append", [stretch_of(r, 0)])
+    grow(replicates, "double", [stretch_of(r, 1) for r in range(2)])
+    grow(replicates, "double", [stretch_of(r, 2) for r in range(2)])
+    grow(replicates, "append", [stretch_of(2, k) for k in range(3)])
     assert (replicates.count, replicates.doublings) == (3, 2)
     means = [
         sum(share * stretch_of(r, k).direct for k, share in enumerate((0.25, 0.25, 0.5))) for r in range(3)
@@ -78,7 +86,7 @@ def test_the_error_is_that_of_the_list_even_far_from_zero(deviations, offset):
     light = np.array(deviations) + offset
     replicates = Replicates(first_in_space=1)
     for value in light:
-        replicates.append([batch([value], [0.0])])
+        grow(replicates, "append", [batch([value], [0.0])])
     expected = light.std(ddof=1) / np.sqrt(len(light))
     # Rounding of the values themselves is all that may differ.
     assert replicates.std_error[0] == pytest.approx(expected, rel=1e-7, abs=1e-15 * offset + 1e-12)

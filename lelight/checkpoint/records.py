@@ -42,10 +42,10 @@ def form_of(kind: type[Found]) -> Form[Found]:
 ARRAY: Form[NDArray[Any]] = Form(lambda found: Record(arrays={"": found}), lambda record: record.arrays[""])
 
 
-def _packed(found: object) -> Record:
+def _packed(found: Any) -> Record:
     values: dict[str, Any] = {}
     arrays: dict[str, NDArray[Any]] = {}
-    for each in fields(found):  # type: ignore[arg-type]
+    for each in fields(found):
         content = getattr(found, each.name)
         if isinstance(content, np.ndarray):
             arrays[each.name] = content
@@ -58,10 +58,10 @@ def _packed(found: object) -> Record:
     return Record(values, arrays)
 
 
-def _unpacked(kind: type[Found], record: Record, prefix: str) -> Found:
+def _unpacked(kind: type[Any], record: Record, prefix: str) -> Any:
     hints = get_type_hints(kind)
     content = {}
-    for each in fields(kind):  # type: ignore[arg-type]
+    for each in fields(kind):
         name = prefix + each.name
         if is_dataclass(hints[each.name]):
             content[each.name] = _unpacked(hints[each.name], record, f"{name}.")

@@ -7,7 +7,6 @@ replicates (Owen 1997; L'Ecuyer & Lemieux 2002).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -107,18 +106,6 @@ class Replicates:
                 self._halve()
                 self.step = None
         self.done += 1
-
-    def append(self, stretches: Iterable[Batch]) -> None:
-        """Add one replicate by its stretches: its start, then as many doublings as the others have made."""
-        self.start("append")
-        for batch in stretches:
-            self.take(batch)
-
-    def double(self, batches: Iterable[Batch]) -> None:
-        """Give every replicate as many points again as it has: one batch each, in their order."""
-        self.start("double")
-        for batch in batches:
-            self.take(batch)
 
     def _add(self, mean: Batch) -> None:
         """Add a replicate by its mean."""
