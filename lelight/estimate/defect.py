@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from concurrent.futures import Executor
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from lelight.estimate.base import BaseField
 from lelight.estimate.cells import Cells, Drawn, cut
 from lelight.estimate.direct import direct_light, drawn_illuminance, illuminance_and_density
 from lelight.estimate.nearfield import near_field
-from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
+from lelight.receivers import ILLUMINANCE, Receivers, space_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, triangle_areas
 from lelight.tracing.chains import (
     DIFFUSE_LOBE,
@@ -84,16 +83,22 @@ def with_starts(
     cells = neutral_starts(world, base)
     if cells is None:
         return base
-    places = int(np.clip(PLACES_PER_NODE * len(base.illuminance), *PLACES))
+    places = _places(base)
     rng = np.random.default_rng((seed, MEASURED))
     numbers = rng.random((places, 3))
     numbers[:, 0] = (np.arange(places) + numbers[:, 0]) / places
     drawn, cell = cells.draw(numbers)
-    ask = partial(_lack, world, base, drawn, seed=(seed, MEASURED))
-    chunks = [np.arange(first, min(first + CHUNK, places)) for first in range(0, places, CHUNK)]
-    lack = keep.once(
-        "lack", lambda: np.concatenate(list(keep.map(executor, "lack/part", ask, chunks, ARRAY))), ARRAY
-    )
+    start = _standing(world, drawn)
+    receivers = _at(start)
+
+    def part(own: IntArray) -> FloatArray:
+        return _lack(world, base, start[own], receivers[own], seed=(seed, MEASURED))
+
+    def everywhere() -> FloatArray:
+        chunks = np.split(np.arange(places), np.arange(CHUNK, places, CHUNK))
+        return np.concatenate(list(keep.map(executor, "lack/part", part, chunks, ARRAY)))
+
+    lack = keep.once("lack", everywhere, ARRAY)
     return replace(base, starts=cells.with_weights(cells.probability * _importance(lack, cell, len(cells))))
 
 
@@ -109,19 +114,25 @@ def neutral_starts(world: World, base: BaseField) -> Cells | None:
     if not len(chosen):
         return None
     faces = chosen % count, np.where(chosen < count, 1, -1)
-    wanted = int(np.clip(PLACES_PER_NODE * len(base.illuminance), *PLACES))
-    return cut(world.caster.corners, faces=faces, weights=weight[chosen], wanted=wanted)
+    return cut(world.caster.corners, faces=faces, weights=weight[chosen], wanted=_places(base))
+
+
+def _places(base: BaseField) -> int:
+    """Count the places at which the defect is measured, about one a cell."""
+    return int(np.clip(PLACES_PER_NODE * len(base.illuminance), *PLACES))
+
+
+def _at(start: ChainVertices) -> Receivers:
+    """Receivers at starts of chains."""
+    return with_surface(space_receivers(start.points, start.normals))
 
 
 def _lack(
-    world: World, base: BaseField, drawn: Drawn, chunk: IntArray, *, seed: tuple[int, ...]
+    world: World, base: BaseField, start: ChainVertices, receivers: Receivers, *, seed: tuple[int, ...]
 ) -> FloatArray:
-    """Illuminance (k,) in lx that some drawn places get in truth beyond what the base says, either way."""
-    start = _standing(world, drawn)[chunk]
-    receivers = with_surface(space_receivers(start.points, start.normals))
-    receivers = replace(receivers, identity=chunk)
+    """Illuminance (k,) in lx that places get in truth beyond what the base says, either way."""
     few = Stretch.of(LOG2_MEASURING_RAYS)
-    rest = _rest_of_defect(world, base, start, few, (*seed, DEFECT_GATHER), identity=chunk)
+    rest = _rest_of_defect(world, base, start, receivers, few, (*seed, DEFECT_GATHER))
     direct, _ = direct_light(world, receivers, samples=few, seed=(*seed, DEFECT_DIRECT))
     return np.abs(luminance_weighted(rest + direct[:, ILLUMINANCE]))
 
@@ -181,16 +192,13 @@ def _over_surface(
     """Draw starts over the surface, but for pairs with close lamps; also which row of ``points`` each is."""
     drawn, _ = starts.draw(points[:, :3])
     start, area = _standing(world, drawn), drawn.area
-    rest = _rest_of_defect(world, base, start, Stretch.of(LOG2_DEFECT_RAYS), (*seed, DEFECT_GATHER))
-    receivers = with_surface(space_receivers(start.points, start.normals))
-    owner, light = drawn_illuminance(
-        world, receivers, samples=Stretch.of(LOG2_DEFECT_RAYS), seed=(*seed, DEFECT_DIRECT)
-    )
-    draws = 2**LOG2_DEFECT_RAYS
+    receivers, samples = _at(start), Stretch.of(LOG2_DEFECT_RAYS)
+    rest = _rest_of_defect(world, base, start, receivers, samples, (*seed, DEFECT_GATHER))
+    owner, light = drawn_illuminance(world, receivers, samples=samples, seed=(*seed, DEFECT_DIRECT))
     kept = luminance_weighted(light) <= (_close_light(world) if shared_out else np.inf)
     # Draws that found no lamp stand for the rest alone, with their whole weight.
-    defect = rest * (1.0 - np.bincount(owner, minlength=len(points)) / draws)[:, None]
-    np.add.at(defect, owner, (light + rest[owner]) * kept[:, None] / draws)
+    defect = rest * (1.0 - np.bincount(owner, minlength=len(points)) / samples.count)[:, None]
+    np.add.at(defect, owner, (light + rest[owner]) * kept[:, None] / samples.count)
     return start.with_flux(defect * (area / len(points))[:, None]), np.arange(len(points))
 
 
@@ -209,7 +217,8 @@ def _by_light(
     close = sent > drawn * _close_light(world)
     close &= starts.density(start.triangles, side, start.points) > 0.0
     start, light, drawn = start[close].with_lobes(DIFFUSE_LOBE), light[close], drawn[close, None]
-    rest = _rest_of_defect(world, base, start, Stretch.of(LOG2_DEFECT_RAYS), (*seed, DEFECT_GATHER))
+    samples = Stretch.of(LOG2_DEFECT_RAYS)
+    rest = _rest_of_defect(world, base, start, _at(start), samples, (*seed, DEFECT_GATHER))
     pair = (light + rest * drawn) * (emitters.power.sum() / sent[close, None])
     return start.with_flux(pair / len(points)), alive[close]
 
@@ -223,23 +232,12 @@ def _rest_of_defect(
     world: World,
     base: BaseField,
     start: ChainVertices,
+    receivers: Receivers,
     samples: Stretch,
     seed: tuple[int, ...],
-    *,
-    identity: IntArray | None = None,
 ) -> FloatArray:
-    """Illuminance (k, C) that the base gives at places, gathered, less what it says of them."""
-    receivers = with_surface(space_receivers(start.points, start.normals))
-    if identity is not None:
-        receivers = replace(receivers, identity=identity)
-    gathered, _, _ = near_field(
-        world,
-        receivers,
-        bound=math.inf,
-        samples=samples,
-        seed=seed,
-        base=base,
-    )
+    """Illuminance (k, C) that the base gives at places, gathered by the receivers there, less what it says of them."""
+    gathered, _, _ = near_field(world, receivers, bound=math.inf, samples=samples, seed=seed, base=base)
     return gathered[:, ILLUMINANCE] - base.illuminance_at(start.triangles, start.points, start.front)
 
 

@@ -19,6 +19,7 @@ from numba import njit
 from lelight.estimate.split import above, lobe_probability, lobe_shares
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.drawing import (
+    LOCAL_CHOICE_LIMIT,
     chosen,
     drawn_density,
     rough_cdfs,
@@ -241,11 +242,13 @@ def _draw_sources(
         emitters.both_sides,
     )
     triangles = len(corners)
-    cdfs = np.empty((min(PATHS_AT_ONCE, len(points)), len(emitters.power)))
+    # Among very many sources the choice is the same at every place: one row serves all.
+    everywhere = len(emitters.power) > LOCAL_CHOICE_LIMIT
+    cdfs = np.empty((1 if everywhere else min(PATHS_AT_ONCE, len(points)), len(emitters.power)))
     for k in range(len(points)):
-        row = k % PATHS_AT_ONCE
-        if row == 0:
-            last = min(k + PATHS_AT_ONCE, len(points))
+        row = 0 if everywhere else k % PATHS_AT_ONCE
+        if row == 0 and (k == 0 or not everywhere):
+            last = min(k + len(cdfs), len(points))
             rough_cdfs(emitters, points[k:last], normals[k:last], cdfs)
         cdf = cdfs[row]
         m = materials[k]

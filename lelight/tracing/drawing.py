@@ -96,12 +96,12 @@ def rough_cdfs(emitters: Emitters, points: FloatArray, normals: FloatArray, cdfs
     handing the emitters on costs more than a place does.
     """
     sketch, corners = emitters.sketch, emitters.corners
-    positions, tables, axes, sizes = emitters.positions, emitters.tables, emitters.axes, emitters.sizes
-    distributions, strengths = emitters.distributions, _strengths(emitters)
     triangles, count = len(corners), len(sketch)
     if count > LOCAL_CHOICE_LIMIT:
         cdfs[:] = emitters.power_cdf
         return
+    positions, tables, axes, sizes = emitters.positions, emitters.tables, emitters.axes, emitters.sizes
+    distributions, strengths = emitters.distributions, _strengths(emitters)
     for k in range(len(points)):
         x, y, z = points[k, 0], points[k, 1], points[k, 2]
         nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
