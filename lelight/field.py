@@ -22,6 +22,7 @@ from lelight.estimate.paths import Paths
 from lelight.harmonics.frames import to_local
 from lelight.harmonics.indices import degree_of
 from lelight.harmonics.projection import synthesise_at
+from lelight.harmonics.synthesis import synthesise_by_node
 from lelight.mesh.locate import Locator
 from lelight.mesh.nearest import TriangleGrid
 from lelight.mesh.nodes import NodeMesh
@@ -211,18 +212,18 @@ class RadianceField:
         nodes, weights = self._locator.find(paths.points, self.labels[paths.triangles], sides)
         illuminance = np.einsum("kj,kjc->kc", weights, self.values.illuminance[nodes])
         radiance: FloatArray = self.world.reflectances.diffuse[paths.materials] * illuminance / math.pi
-        detailed = np.flatnonzero(self._degrees[paths.materials] > 0)
-        if len(detailed):
-            radiance[detailed] = self._synthesised(
-                paths.outgoing[detailed], nodes[detailed], weights[detailed]
-            )
+        degrees = self._degrees[paths.materials]
+        for degree in np.unique(degrees[degrees > 0]):
+            own = np.flatnonzero(degrees == degree)
+            radiance[own] = self._synthesised(int(degree), paths.outgoing[own], nodes[own], weights[own])
         return radiance
 
-    def _synthesised(self, outgoing: FloatArray, nodes: IntArray, weights: FloatArray) -> FloatArray:
+    def _synthesised(
+        self, degree: int, outgoing: FloatArray, nodes: IntArray, weights: FloatArray
+    ) -> FloatArray:
         local = to_local(outgoing[:, None, :], self.mesh.normals[nodes], self.mesh.frames_x[nodes])
-        degree = degree_of(self.values.radiance_sh.shape[1])
-        return np.asarray(
-            synthesise_at(self.values.radiance_sh, degree, nodes, weights, np.ascontiguousarray(local))
+        return synthesise_by_node(
+            self.values.radiance_sh, degree, nodes, weights, np.ascontiguousarray(local)
         )
 
     @cached_property

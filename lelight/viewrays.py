@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lelight.estimate.paths import Paths, chosen_paths, meet
-from lelight.highlights import highlights, only_specular
+from lelight.highlights import highlights, only_specular, sees_images
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene
 from lelight.tracing.openings import seen_openings
 from lelight.tracing.world import World
@@ -100,7 +100,7 @@ class ViewRays:
         for depth in range(self.deepest + 1):
             glossy = self.world.reflectances.specular_share[here.materials] > 0
             mirrored = glossy & self.mirrors[here.materials]
-            images = np.flatnonzero(glossy & ~mirrored)
+            images = self._showing_images(here, np.flatnonzero(glossy & ~mirrored))
             self._add_images(radiance, here, images, identity, depth, log2_images)
             onward = self._add_images(
                 radiance, here, np.flatnonzero(mirrored), identity, depth, log2_mirrored
@@ -110,6 +110,13 @@ class ViewRays:
             here, log2_images, log2_mirrored = onward, 0, 0
             surfaces.append(here)
         return Seen(radiance, joined_paths(surfaces))
+
+    def _showing_images(self, here: Paths, glossy: IntArray) -> IntArray:
+        """Keep the surfaces in whose lobes an emitter may be seen."""
+        own = chosen_paths(here, glossy)
+        return np.asarray(
+            glossy[sees_images(self.world, own.points, own.normals, own.outgoing, own.materials)]
+        )
 
     def _add_images(
         self,
