@@ -7,7 +7,7 @@ from top to bottom. Pixel coordinates run from -1 at the left and bottom border 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -39,32 +39,39 @@ class Camera(Protocol):
         ...
 
     def view(self, width: int, height: int) -> str:
-        """Describe the view in Radiance's options."""
+        """Describe the view in Radiance's options; empty where Radiance has no such view."""
         ...
 
 
-def _upwards() -> FloatArray:
+def upwards() -> FloatArray:
+    """Say where up is, the z axis."""
     return np.array([0.0, 0.0, 1.0])
+
+
+#: How the angle to the line of sight follows from the radius r of the disc: pi/2 r, or 2 asin(r / sqrt 2).
+Mapping = Literal["equi-angular", "equi-solid-angle"]
 
 
 @dataclass(frozen=True)
 class Fisheye:
-    """Equi-angular fisheye of 180°: the angle to the line of sight grows in step with the radius.
+    """Fisheye of 180°: equal steps of the radius are equal angles, or equal areas are equal solid angles.
 
     Attributes
     ----------
     position : (3,) float, m
     direction : (3,) float, line of sight of any length
     up : (3,) float, drawn upwards; replaced where it is parallel to the line of sight
+    mapping : what the picture keeps; Radiance, and evalglare with it, knows the equi-angular one only
     """
 
     position: FloatArray
     direction: FloatArray
-    up: FloatArray = field(default_factory=_upwards)
+    up: FloatArray = field(default_factory=upwards)
+    mapping: Mapping = "equi-angular"
 
     def mask(self, width: int, height: int) -> BoolArray:
         """Tell which pixels (h, w) have their centre in the hemisphere in front."""
-        return np.hypot(*_pixel_plane(width, height, CENTRE)) < 1
+        return np.hypot(*pixel_plane(width, height, CENTRE)) < 1
 
     def rays(
         self, width: int, height: int, *, offset: tuple[float, float] = CENTRE
@@ -78,23 +85,32 @@ class Fisheye:
         offset : where in the pixel, as fractions of its width from the left and its height from the top
         """
         inside = self.mask(width, height)
-        x, y = (plane[inside] for plane in _pixel_plane(width, height, offset))
+        x, y = (plane[inside] for plane in pixel_plane(width, height, offset))
         radius = np.hypot(x, y)
-        angle = np.pi / 2 * np.minimum(radius, 1)
-        # sin(angle) / radius, which tends to pi / 2 on the axis.
-        sideways = np.divide(np.sin(angle), radius, out=np.full_like(radius, np.pi / 2), where=radius > 0)
-        local = np.column_stack([sideways * x, sideways * y, np.cos(angle)])
-        return _in_scene(self.position, local, view_axes(self.direction, self.up))
+        if self.mapping == "equi-angular":
+            angle = np.pi / 2 * np.minimum(radius, 1)
+            # sin(angle) / radius, which tends to pi / 2 on the axis.
+            sideways = np.divide(np.sin(angle), radius, out=np.full_like(radius, np.pi / 2), where=radius > 0)
+            forward = np.cos(angle)
+        else:
+            # With r = sqrt 2 sin(angle / 2): cos(angle) = 1 - r² and sin(angle) / r = sqrt(2 - r²).
+            square = np.minimum(radius, 1) ** 2
+            sideways = np.sqrt(2 - square) / np.maximum(radius, 1)
+            forward = 1 - square
+        local = np.column_stack([sideways * x, sideways * y, forward])
+        return in_scene(self.position, local, view_axes(self.direction, self.up))
 
     def solid_angles(self, width: int, height: int) -> FloatArray:
-        """Solid angles (h, w) in sr: ``(pi/2)² sin(theta)/theta dx dy`` in the unit disc, 2 pi in all."""
-        radius = np.hypot(*_pixel_plane(width, height, CENTRE))
-        density = (np.pi / 2) ** 2 * np.sinc(radius / 2)
+        """Solid angles (h, w), sr, 2 pi in all: ``(pi/2)² sin(theta)/theta dx dy`` in the unit disc; or ``2 dx dy``."""
+        density = np.full((height, width), 2.0)
+        if self.mapping == "equi-angular":
+            radius = np.hypot(*pixel_plane(width, height, CENTRE))
+            density = (np.pi / 2) ** 2 * np.sinc(radius / 2)
         return np.where(self.mask(width, height), density * 4 / (width * height), 0)
 
     def view(self, width: int, height: int) -> str:
-        """Describe the view in Radiance's options."""
-        return _view_options("a", self, (180, 180))
+        """Describe the view in Radiance's options; empty where Radiance has no such view."""
+        return view_options("a", self, (180, 180)) if self.mapping == "equi-angular" else ""
 
 
 @dataclass(frozen=True)
@@ -112,7 +128,7 @@ class Perspective:
     position: FloatArray
     direction: FloatArray
     horizontal_angle: float = np.pi / 3
-    up: FloatArray = field(default_factory=_upwards)
+    up: FloatArray = field(default_factory=upwards)
 
     def __post_init__(self) -> None:
         if not 0 < self.horizontal_angle < np.pi:
@@ -132,10 +148,10 @@ class Perspective:
         offset : where in the pixel, as fractions of its width from the left and its height from the top
         """
         half_width, half_height = self._half_extents(width, height)
-        x, y = _pixel_plane(width, height, offset)
+        x, y = pixel_plane(width, height, offset)
         local = np.column_stack([half_width * x.ravel(), half_height * y.ravel(), np.ones(x.size)])
         local /= np.linalg.norm(local, axis=1, keepdims=True)
-        return _in_scene(self.position, local, view_axes(self.direction, self.up))
+        return in_scene(self.position, local, view_axes(self.direction, self.up))
 
     def solid_angles(self, width: int, height: int) -> FloatArray:
         """Solid angles (h, w) in sr, exact.
@@ -151,7 +167,7 @@ class Perspective:
     def view(self, width: int, height: int) -> str:
         """Describe the view in Radiance's options."""
         horizontal, vertical = np.degrees(2 * np.arctan(self._half_extents(width, height)))
-        return _view_options("v", self, (horizontal, vertical))
+        return view_options("v", self, (horizontal, vertical))
 
     def _half_extents(self, width: int, height: int) -> tuple[float, float]:
         half_width = float(np.tan(self.horizontal_angle / 2))
@@ -182,7 +198,7 @@ def view_axes(direction: ArrayLike, up: ArrayLike) -> FloatArray:
     if not (np.isfinite(length) and length > 0):
         raise ValueError(f"direction: {forward} has no length")
     forward = forward / length
-    for candidate in (np.asarray(up, dtype=np.float64), np.array([0.0, 1.0, 0.0]), _upwards()):
+    for candidate in (np.asarray(up, dtype=np.float64), np.array([0.0, 1.0, 0.0]), upwards()):
         right = np.cross(forward, candidate)
         if np.linalg.norm(right) > _PARALLEL * np.linalg.norm(candidate):
             break
@@ -197,14 +213,16 @@ def as_picture(pixels: FloatArray, mask: BoolArray) -> FloatArray:
     return picture
 
 
-def _pixel_plane(width: int, height: int, offset: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+def pixel_plane(width: int, height: int, offset: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+    """Coordinates x and y (h, w) of a place in every pixel, -1 to 1."""
     x = 2 * (np.arange(width) + offset[0]) / width - 1
     y = 1 - 2 * (np.arange(height) + offset[1]) / height
     columns, rows = np.meshgrid(x, y)
     return columns, rows
 
 
-def _in_scene(position: FloatArray, local: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
+def in_scene(position: FloatArray, local: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Turn directions (k, 3) of the viewer's axes into the scene; origins (k, 3) and directions (k, 3)."""
     directions = local @ axes
     return np.broadcast_to(np.asarray(position, dtype=np.float64), directions.shape), directions
 
@@ -221,7 +239,24 @@ def _bit_reversed(count: int) -> FloatArray:
     return mirrored
 
 
-def _view_options(kind: str, camera: Fisheye | Perspective, angles: tuple[float, float]) -> str:
+class Placed(Protocol):
+    """What has a place and looks somewhere."""
+
+    @property
+    def position(self) -> FloatArray:
+        """(3,) float, m."""
+
+    @property
+    def direction(self) -> FloatArray:
+        """(3,) float, line of sight of any length."""
+
+    @property
+    def up(self) -> FloatArray:
+        """(3,) float, drawn upwards."""
+
+
+def view_options(kind: str, camera: Placed, angles: tuple[float, float]) -> str:
+    """Describe a view in Radiance's options: kind, place, axes and angles in degrees."""
     _, upward, forward = view_axes(camera.direction, camera.up)
     vectors = {"-vp": camera.position, "-vd": forward, "-vu": upward}
     places = " ".join(f"{option} {_numbers(vector)}" for option, vector in vectors.items())

@@ -18,11 +18,11 @@ import numpy as np
 from lelight.camera import Camera, as_picture, stratified_offsets
 from lelight.channels import luminance_weighted
 from lelight.errors import OutputError
-from lelight.estimate.pathstate import Paths, meet
+from lelight.estimate.pathstate import Paths
 from lelight.harmonics.frames import to_local
 from lelight.harmonics.indices import degree_of
 from lelight.harmonics.projection import synthesise_at
-from lelight.highlights import highlights, only_specular
+from lelight.harmonics.synthesis import synthesise_by_node
 from lelight.mesh.locate import Locator
 from lelight.mesh.nearest import TriangleGrid
 from lelight.mesh.nodes import NodeMesh
@@ -31,8 +31,8 @@ from lelight.plan import stored_degree
 from lelight.results import NodeValues
 from lelight.scene import FloatArray, IntArray, Scene
 from lelight.spectral.bands import BANDS
-from lelight.tracing.openings import seen_openings
 from lelight.tracing.world import World, build_world
+from lelight.viewrays import ViewRays
 from lelight.writing.fieldfile import read_field, write_field
 
 #: Rays evaluated at once by one thread.
@@ -130,7 +130,10 @@ class RadianceField:
         for first in range(0, len(on), chunk):
             own = on[first : first + chunk]
             paths = self._standing(points[own], directions[own], triangle[own])
-            radiance[own] = self.emitted(paths) + self.reflected(paths, own)
+            seen = self._view_rays.reflecting(
+                paths, own, log2_images=LOG2_HIGHLIGHTS, log2_mirrored=LOG2_HIGHLIGHTS
+            )
+            radiance[own] = self._view_rays.emitted(paths) + seen.with_reflected(self.stored(seen.surfaces))
         radiance[off] = self.seen(points[off], -directions[off])
         return radiance
 
@@ -180,16 +183,15 @@ class RadianceField:
     def _seen_chunk(
         self, origins: FloatArray, directions: FloatArray, chunk: slice, log2_highlights: int
     ) -> FloatArray:
-        count = len(origins[chunk])
-        ones = np.ones((count, self.world.channels))
-        paths, _ = meet(self.world, np.arange(count), origins[chunk], directions[chunk], ones)
-        radiance = np.zeros((count, self.world.channels))
-        radiance[paths.number] = self.emitted(paths) + self.reflected(
-            paths, paths.number + chunk.start, log2_highlights=log2_highlights
+        rays = np.arange(len(origins))[chunk]
+        seen = self._view_rays.look(
+            origins[chunk],
+            directions[chunk],
+            rays,
+            log2_images=log2_highlights,
+            log2_mirrored=log2_highlights,
         )
-        rays, luminance = seen_openings(self.world, self.scene, origins[chunk], directions[chunk])
-        radiance[rays] = luminance
-        return radiance
+        return seen.with_reflected(self.stored(seen.surfaces))
 
     def picture(
         self, camera: Camera, width: int, height: int, *, samples: int, executor: Executor
@@ -203,33 +205,6 @@ class RadianceField:
             total += luminance_weighted(seen)
         return as_picture(total / samples, camera.mask(width, height))
 
-    def emitted(self, paths: Paths) -> FloatArray:
-        """Luminance (k, C) that the surfaces emit toward where the paths came from."""
-        emitters = self.world.emitters
-        source = emitters.of_triangle[paths.triangles]
-        front = np.einsum("kx,kx->k", paths.normals, self.world.normals[paths.triangles]) > 0
-        luminance = np.zeros((len(source), self.world.channels))
-        shining = source >= 0
-        shining[shining] &= front[shining] | emitters.both_sides[source[shining]]
-        luminance[shining] = emitters.luminance[source[shining]]
-        return luminance
-
-    def reflected(
-        self, paths: Paths, identity: IntArray, *, log2_highlights: int = LOG2_HIGHLIGHTS, depth: int = 0
-    ) -> FloatArray:
-        """Radiance (k, C) that surfaces reflect toward where the paths came from.
-
-        Parameters
-        ----------
-        identity : (k,) int, on which the random numbers of highlights depend
-        depth : int, mirrors already passed
-        """
-        radiance = self.stored(paths)
-        glossy = np.flatnonzero(self.world.reflectances.specular_share[paths.materials] > 0)
-        if len(glossy):
-            radiance[glossy] += self._mirrored(paths, glossy, identity, log2_highlights, depth)
-        return radiance
-
     def stored(self, paths: Paths) -> FloatArray:
         """Radiance (k, C) interpolated from the nodes, without any image of an emitter."""
         front = np.einsum("kx,kx->k", paths.normals, self.world.normals[paths.triangles]) > 0
@@ -237,41 +212,19 @@ class RadianceField:
         nodes, weights = self._locator.find(paths.points, self.labels[paths.triangles], sides)
         illuminance = np.einsum("kj,kjc->kc", weights, self.values.illuminance[nodes])
         radiance: FloatArray = self.world.reflectances.diffuse[paths.materials] * illuminance / math.pi
-        detailed = np.flatnonzero(self._degrees[paths.materials] > 0)
-        if len(detailed):
-            radiance[detailed] = self._synthesised(
-                paths.outgoing[detailed], nodes[detailed], weights[detailed]
-            )
+        degrees = self._degrees[paths.materials]
+        for degree in np.unique(degrees[degrees > 0]):
+            own = np.flatnonzero(degrees == degree)
+            radiance[own] = self._synthesised(int(degree), paths.outgoing[own], nodes[own], weights[own])
         return radiance
 
-    def _synthesised(self, outgoing: FloatArray, nodes: IntArray, weights: FloatArray) -> FloatArray:
-        local = to_local(outgoing[:, None, :], self.mesh.normals[nodes], self.mesh.frames_x[nodes])
-        degree = degree_of(self.values.radiance_sh.shape[1])
-        return np.asarray(
-            synthesise_at(self.values.radiance_sh, degree, nodes, weights, np.ascontiguousarray(local))
-        )
-
-    def _mirrored(
-        self, paths: Paths, glossy: IntArray, identity: IntArray, log2_highlights: int, depth: int
+    def _synthesised(
+        self, degree: int, outgoing: FloatArray, nodes: IntArray, weights: FloatArray
     ) -> FloatArray:
-        """Images of emitters in lobes (g, C); where lobes are too sharp to store, of everything."""
-        images, met = highlights(
-            self._glossy_world,
-            points=paths.points[glossy],
-            normals=paths.normals[glossy],
-            outgoing=paths.outgoing[glossy],
-            materials=paths.materials[glossy],
-            identity=identity[glossy] * (DEEPEST_MIRROR + 1) + depth,
-            log2_samples=log2_highlights,
+        local = to_local(outgoing[:, None, :], self.mesh.normals[nodes], self.mesh.frames_x[nodes])
+        return synthesise_by_node(
+            self.values.radiance_sh, degree, nodes, weights, np.ascontiguousarray(local)
         )
-        sharp = self._degrees[paths.materials[glossy]] == 0
-        onward = np.flatnonzero(sharp[met.number])
-        if len(onward) and depth < DEEPEST_MIRROR:
-            behind = Paths(**{name: column[onward] for name, column in vars(met).items()})
-            own = identity[glossy][behind.number]
-            seen = self.reflected(behind, own, log2_highlights=0, depth=depth + 1)
-            np.add.at(images, behind.number, seen * behind.throughput)
-        return images
 
     @cached_property
     def _locator(self) -> Locator:
@@ -283,8 +236,8 @@ class RadianceField:
         return TriangleGrid(corners, np.zeros(len(corners), dtype=np.int64))
 
     @cached_property
-    def _glossy_world(self) -> World:
-        return only_specular(self.world)
+    def _view_rays(self) -> ViewRays:
+        return ViewRays.of(self.scene, self.world, mirrors=self._degrees == 0, deepest=DEEPEST_MIRROR)
 
     @cached_property
     def _degrees(self) -> IntArray:

@@ -7,16 +7,23 @@ directions drawn from the lobe, combined by the balance heuristic.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
+from numba import njit
 
 from lelight.estimate.paths import NUMBERS, rotated_numbers, step
 from lelight.estimate.pathstate import Paths
-from lelight.scene import FloatArray, IntArray
+from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import hash_of
-from lelight.tracing.sampling import Stretch, sobol
+from lelight.tracing.emitters import Emitters
+from lelight.tracing.reflection import Reflectances
+from lelight.tracing.sampling import Stretch, mirrored, sobol
 from lelight.tracing.world import World
+
+#: Share of its peak below which a Phong lobe shows nothing of an emitter.
+FAINT = 1e-6
 
 
 def only_specular(world: World) -> World:
@@ -66,3 +73,63 @@ def highlights(
     radiance = np.zeros((len(points), glossy_world.channels))
     met, _ = step(glossy_world, paths, bound=0.0, numbers=numbers, radiance=radiance, roulette=False)
     return radiance, met
+
+
+def sees_images(
+    world: World, points: FloatArray, normals: FloatArray, outgoing: FloatArray, materials: IntArray
+) -> BoolArray:
+    """Say at which points (k,) a Phong lobe may show an emitter by more than `FAINT` of the lobe's peak.
+
+    Whatever stands between is not looked at. Sources are taken for spheres around them.
+
+    Parameters
+    ----------
+    points, normals, outgoing : (k, 3) float; the normal and the direction on the side that is seen
+    """
+    emitters = world.emitters
+    radii = np.concatenate([emitters.sketch[: len(emitters.areas), 6], emitters.sizes])
+    seen = np.zeros(len(points), dtype=np.bool_)
+    _find_images(emitters, world.reflectances, radii, points, normals, outgoing, materials, seen)
+    return seen
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _find_images(
+    emitters: Emitters,
+    reflectances: Reflectances,
+    radii: FloatArray,
+    points: FloatArray,
+    normals: FloatArray,
+    outgoing: FloatArray,
+    materials: IntArray,
+    seen: BoolArray,
+) -> None:
+    triangles = len(emitters.areas)
+    sketch, both_sides = emitters.sketch, emitters.both_sides
+    widest = np.arccos(FAINT ** (1.0 / np.maximum(reflectances.exponent, 1e-9)))
+    for k in range(len(points)):
+        nx, ny, nz = normals[k]
+        ax, ay, az = mirrored(outgoing[k, 0], outgoing[k, 1], outgoing[k, 2], nx, ny, nz)
+        limit = widest[materials[k]]
+        for source in range(len(radii)):
+            dx, dy, dz = (
+                sketch[source, 0] - points[k, 0],
+                sketch[source, 1] - points[k, 1],
+                sketch[source, 2] - points[k, 2],
+            )
+            radius = radii[source]
+            if dx * nx + dy * ny + dz * nz + radius <= 0.0:
+                continue
+            if source < triangles and not both_sides[source]:
+                facing = dx * sketch[source, 3] + dy * sketch[source, 4] + dz * sketch[source, 5]
+                if facing >= 0.0:
+                    continue
+            distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+            if distance <= radius:
+                seen[k] = True
+                break
+            cos_alpha = (dx * ax + dy * ay + dz * az) / distance
+            alpha = math.acos(min(max(cos_alpha, -1.0), 1.0))
+            if alpha - math.asin(radius / distance) <= limit:
+                seen[k] = True
+                break

@@ -1,4 +1,4 @@
-"""A scene in Mitsuba 3, and the illuminance of places in it by path tracing with next-event estimation.
+"""A scene in Mitsuba 3: illuminance of places and radiance along rays, by path tracing with next-event estimation.
 
 Mitsuba has no normalised Phong lobe, so one is written here, with the model of lelight's materials:
 kd/pi + ks (n + 2)/(2 pi) cos^n about the mirror direction. Needs the wheel ``mitsuba`` and LLVM's library.
@@ -128,3 +128,18 @@ def illuminance_by_mitsuba(
     met = scene.ray_intersect(ray)
     each = direct + dr.pi * (light.x - met.emitter(scene).eval(met).x)
     return np.asarray(each).reshape(count, paths).mean(axis=1)
+
+
+def radiance_by_mitsuba(
+    scene: mi.Scene, origins: FloatArray, directions: FloatArray, *, paths: int, seed: int
+) -> FloatArray:
+    """One estimate (k,) in cd/m² of what places (k, 3) see along unit directions (k, 3)."""
+    count = len(origins)
+    sampler = mi.load_dict({"type": "independent", "sample_count": 1})
+    sampler.seed(seed, count * paths)
+    index = dr.arange(mi.UInt32, count * paths) // paths
+    place = dr.gather(mi.Point3f, mi.Point3f(origins.T), index)
+    along = dr.gather(mi.Vector3f, mi.Vector3f(directions.T), index)
+    integrator = mi.load_dict({"type": "path", "max_depth": -1, "rr_depth": 5})
+    light, _, _ = integrator.sample(scene, sampler, mi.RayDifferential3f(mi.Ray3f(place, along)))
+    return np.asarray(light.x).reshape(count, paths).mean(axis=1)

@@ -36,6 +36,15 @@ def test_flux_of_the_first_bounces_is_what_the_walls_leave_of_it():
         np.testing.assert_allclose(flux, 6 * 0.6**bounce / 256, rtol=EXACT)
 
 
+@pytest.mark.parametrize("nodes", [1, 2, 3])
+def test_chains_that_are_cut_off_are_the_beginning_of_whole_ones(nodes):
+    world = build_world(furnace(0.6), 1)
+    whole = emission_chains(world, Stretch.of(6), seed=(1,))
+    cut = emission_chains(world, Stretch.of(6), seed=(1,), nodes=nodes)
+    assert len(cut) == 64 * nodes < len(whole)
+    np.testing.assert_array_equal(cut.points, whole.points[: len(cut)])
+
+
 @pytest.mark.parametrize("reflectance", [0.6, 0.95])
 def test_flux_of_all_bounces_is_the_geometric_series(reflectance):
     """Sum over bounces of 6 rho^k = 6 / (1 - rho) lm arrive: the roulette takes nothing away on average."""

@@ -10,11 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from shapes import Shape, box, scene_of
+from threeglosses import drawn_directions, three_glosses
 
 from lelight.calculation import calculate
+from lelight.estimate.pathstate import chosen_paths, meet
 from lelight.field import RadianceField
+from lelight.highlights import highlights, only_specular, sees_images
 from lelight.scene import EmissionSides, FloatArray, Material, PointLuminaire, Scene
 from lelight.settings import Settings
+from lelight.tracing.world import build_world
 
 ROOM = (4.0, 3.0, 2.5)
 
@@ -168,3 +172,16 @@ def test_nothing_is_nan_from_any_direction(room: object) -> None:
         assert np.all(radiance >= 0.0)
     assert np.all(np.isfinite(field.values.scalar_illuminance))
     assert np.all(np.isfinite(field.values.light_vector))
+
+
+def test_no_image_of_a_lamp_is_left_out() -> None:
+    # Where `sees_images` says there is none, drawing for it finds next to nothing; and it says so in most places.
+    scene = three_glosses()
+    world = build_world(scene, 1)
+    paths, _ = meet(world, np.arange(4000), *drawn_directions(4000), np.ones((4000, 1)))
+    paths = chosen_paths(paths, np.flatnonzero(world.reflectances.specular_share[paths.materials] > 0))
+    places = {name: getattr(paths, name) for name in ("points", "normals", "outgoing", "materials")}
+    seen = sees_images(world, **places)
+    images, _ = highlights(only_specular(world), **places, identity=np.arange(len(seen)), log2_samples=6)
+    assert np.max(images[~seen]) < 1e-4 * np.max(images)
+    assert 0.2 < np.mean(seen) < 0.6

@@ -17,6 +17,7 @@ from lelight.harmonics.projection import (
     synthesise,
     synthesise_at,
 )
+from lelight.harmonics.synthesis import synthesise_by_node
 from lelight.harmonics.transform import transform
 
 
@@ -150,3 +151,20 @@ def test_rejects_wrong_shapes():
         project(129, directions, weights)
     with pytest.raises(ValueError, match="directions must have 2 rows"):
         synthesise(np.ones((2, 4, 1)), directions)
+
+
+@pytest.mark.parametrize(("degree", "channels"), [(0, 1), (4, 3), (13, 3), (48, 1)])
+@pytest.mark.parametrize("count", [0, 5, 900])
+def test_synthesis_by_node_is_that_of_single_places(degree, channels, count):
+    # 900 places around 4 nodes: all are asked often enough for the transform; 5 are not.
+    rng = np.random.default_rng(degree)
+    coefficients = rng.normal(size=(6, terms(degree + 1), channels)).astype(np.float32)
+    nodes = np.array([rng.choice(4, 3, replace=False) for _ in range(count)], dtype=np.int64).reshape(-1, 3)
+    weights = rng.dirichlet(np.ones(3), size=count)
+    weights[::7] = [1.0, 0.0, 0.0]
+    directions = rng.normal(size=(count, 3, 3))
+    directions /= np.linalg.norm(directions, axis=2, keepdims=True)
+    expected = synthesise_at(coefficients, degree, nodes, weights, directions)
+    found = synthesise_by_node(coefficients, degree, nodes, weights, directions)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * np.abs(expected).max(initial=0.0))
+    assert (count == 900 and degree > 4) == bool(np.any(found != expected))

@@ -13,7 +13,7 @@ import pytest
 
 from lelight.camera import Fisheye, as_picture
 from lelight.errors import OutputError
-from lelight.writing.falsecolour import decade_limits, scale_ticks, write_falsecolour
+from lelight.writing.falsecolour import Marks, decade_limits, scale_ticks, write_falsecolour
 from lelight.writing.pictures import read_exr, write_exr
 from lelight.writing.radiancehdr import scanlines, shared_exponent, write_hdr
 
@@ -200,6 +200,45 @@ def test_what_the_scale_clips_has_colours_of_its_own(tmp_path, limits, below, ab
 def test_default_limits_are_of_the_series_1_3_10(darkest, brightest, limits):
     luminance = np.repeat([0.0, darkest, brightest], 50)
     assert decade_limits(luminance) == pytest.approx(limits, rel=1e-12)
+
+
+def test_a_scale_of_given_decades_has_these():
+    luminance = np.repeat([0.5, 950.0], 50)
+    assert decade_limits(luminance, decades=2) == pytest.approx((10, 1000), rel=1e-12)
+
+
+def test_isolines_run_where_the_luminance_is_crossed(tmp_path):
+    # Luminance rises from left to right by a decade; 30 is crossed in the middle third, 200 and nan nowhere.
+    luminance = np.tile(np.logspace(1, 2, 120), (120, 1))
+    luminance[:10] = np.nan
+    pictures = {}
+    for name, values in (("plain", None), ("line", (30.0,)), ("none", (200.0,)), ("legend", ())):
+        marks = Marks(extremes=False, isolines=values)
+        write_falsecolour(tmp_path / f"{name}.png", luminance, title="", marks=marks)
+        pictures[name] = OpenImageIO.ImageBuf(str(tmp_path / f"{name}.png")).get_pixels(OpenImageIO.FLOAT)
+    np.testing.assert_array_equal(pictures["none"], pictures["plain"])
+    columns = np.flatnonzero(np.any(pictures["line"] != pictures["plain"], axis=(0, 2)))
+    # log10(30) - 1 = 0.477 of the width, 600 pixels wide after a margin of 24; the value stands on the line.
+    assert abs(np.median(columns) - (24 + 0.477 * 600)) < 15
+    assert np.ptp(columns) < 60
+    np.testing.assert_array_equal(pictures["legend"], pictures["line"])
+
+
+def test_extremes_are_marked_unless_not_wanted(tmp_path):
+    sizes = []
+    for extremes in (True, False):
+        write_falsecolour(tmp_path / "a.png", gradient(60, 80), title="", marks=Marks(extremes=extremes))
+        sizes.append((tmp_path / "a.png").read_bytes())
+    assert sizes[0] != sizes[1]
+
+
+def test_a_picture_without_a_radiance_view_names_none(tmp_path):
+    write_hdr(tmp_path / "a.hdr", gradient(4, 9), view="")
+    assert b"VIEW" not in (tmp_path / "a.hdr").read_bytes()
+    write_exr(tmp_path / "a.exr", gradient(4, 9), view="")
+    picture = OpenImageIO.ImageInput.open(str(tmp_path / "a.exr"))
+    assert picture.spec().getattribute("radiance_view") is None
+    picture.close()
 
 
 def test_a_single_glint_does_not_move_the_scale():

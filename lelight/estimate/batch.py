@@ -142,7 +142,7 @@ def chain_vertices(
     if not variant.chains:
         return no_vertices(world.channels)
     if base is None:
-        return emission_chains(world, chains, seed=seed)
+        return emission_chains(world, chains, seed=seed, nodes=variant.nodes)
     return defect_chains(world, base, chains, seed=seed)
 
 

@@ -149,6 +149,17 @@ def with_clear_share(world: World, receivers: Receivers, *, seed: tuple[int, ...
     return replace(receivers, clear_share=np.where(exact, share, 0.0), direct_doublings=doublings)
 
 
+def with_rough_clear_share(
+    world: World, receivers: Receivers, *, log2_samples: int, seed: tuple[int, ...]
+) -> Receivers:
+    """Do as `with_clear_share` with few rays, where there are too many receivers to look for slits."""
+    if len(world.emitters.power) > LOCAL_CHOICE_LIMIT:
+        return receivers
+    exact = closed_forms(world.emitters, receivers.points, receivers.normals)
+    share = _clear_share(world, receivers, log2_samples, seed)
+    return replace(receivers, clear_share=np.where(exact, share, 0.0))
+
+
 def _clear_share(world: World, receivers: Receivers, log2_samples: int, seed: tuple[int, ...]) -> FloatArray:
     """Share (r,) of the drawn light that nothing blocks, 0 where none is drawn."""
     drawn = _draw(world, receivers, sobol(3, Stretch.of(log2_samples), seed=seed), hash_of(seed))

@@ -25,6 +25,7 @@ class Variant:
     bounded : whether the kernel of the chains is bounded
     averaged : whether a receiver is spread over a disc (Kalos 1963)
     near : what rays from the receiver bring: what lies above the bound, all, the base alone, or nothing
+    nodes : vertices that a chain from the emitters has at the most; None for as many as it makes
     bias : what replicates cannot see, empty where nothing is wrong
     """
 
@@ -33,6 +34,7 @@ class Variant:
     bounded: bool = True
     averaged: bool = False
     near: Literal["rest", "all", "base", "none"] = "none"
+    nodes: int | None = None
     bias: str = ""
 
     def chain_bound(self, bound: float) -> float:

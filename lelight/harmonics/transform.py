@@ -33,7 +33,7 @@ def transform(degree: int, directions: FloatArray, weights: FloatArray) -> Float
     -------
     (T, C) float, T = (degree + 1)²
     """
-    angles = _angles(directions)
+    angles = polar_angles(directions)
     columns = [_transform_channel(degree, angles, channel) for channel in np.ascontiguousarray(weights.T)]
     return np.stack(columns, axis=-1)
 
@@ -62,7 +62,7 @@ def _real_form(degree: int) -> tuple[NDArray[np.intp], FloatArray, FloatArray]:
     return sources, np.where(order >= 0, scale, 0.0), np.where(order < 0, -scale, 0.0)
 
 
-def _angles(directions: FloatArray) -> FloatArray:
+def polar_angles(directions: FloatArray) -> FloatArray:
     """Polar angle and azimuth in [0, 2 pi), (k, 2) rad, accurate at the poles."""
     x, y, z = directions.T
     polar = np.arctan2(np.hypot(x, y), z)

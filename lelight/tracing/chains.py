@@ -87,7 +87,9 @@ class ChainVertices:
         return replace(self, lobes=np.full(len(self), lobes))
 
 
-def emission_chains(world: World, chains: Stretch, *, seed: tuple[int, ...]) -> ChainVertices:
+def emission_chains(
+    world: World, chains: Stretch, *, seed: tuple[int, ...], nodes: int | None = None
+) -> ChainVertices:
     """Send a stretch of chains out of the emitters until all have died or left.
 
     The flux of the vertices is normalised: one call is one unbiased estimate. Every vertex's weight is its
@@ -96,12 +98,13 @@ def emission_chains(world: World, chains: Stretch, *, seed: tuple[int, ...]) -> 
     Parameters
     ----------
     seed : integers that fix every random number of the walk
+    nodes : vertices after which a chain is cut off; None to let it die by itself
     """
     points = chain_numbers(chains, seed=seed)
     origins, directions, flux = emit(world.emitters, points, world.caster.offset)
     housing = emitted_housings(world.emitters, points)
     first, alive = arrive(world, origins, directions, flux / len(points), housing=housing)
-    return walk_on(world, first, chain=alive, points=points, seed=(*seed, chains.first))
+    return walk_on(world, first, chain=alive, points=points, seed=(*seed, chains.first), nodes=nodes)
 
 
 def chain_numbers(chains: Stretch, *, seed: tuple[int, ...]) -> FloatArray:
@@ -110,7 +113,13 @@ def chain_numbers(chains: Stretch, *, seed: tuple[int, ...]) -> FloatArray:
 
 
 def walk_on(
-    world: World, first: ChainVertices, *, chain: IntArray, points: FloatArray, seed: tuple[int, ...]
+    world: World,
+    first: ChainVertices,
+    *,
+    chain: IntArray,
+    points: FloatArray,
+    seed: tuple[int, ...],
+    nodes: int | None = None,
 ) -> ChainVertices:
     """Let chains go on from their first vertices; returns those and all later ones.
 
@@ -119,11 +128,12 @@ def walk_on(
     chain : (v,) int, row of ``points`` that serves each chain
     points : (k, 5 + 24) float, quasi-random numbers in [0, 1), of which the first five are spent
     seed : fixes the numbers of later reflections and of the roulette; not the same for two stretches
+    nodes : vertices of a chain at the most
     """
     key = hash_of((*seed, 1))
     vertices = first
     bounces = [first]
-    for bounce in range(LONGEST_CHAIN):
+    for bounce in range(LONGEST_CHAIN if nodes is None else nodes - 1):
         if not len(vertices):
             break
         directions, flux, going = _reflect(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,10 @@ from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, LogNorm
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
 
 from lelight.scene import FloatArray
 from lelight.writing.files import whole
@@ -26,6 +29,22 @@ _DOTS_PER_INCH = 100
 _SMALLEST_SIDE, _LONGEST_SIDE = 600, 2000
 _MARGIN, _TITLE_HEIGHT, _LEGEND_WIDTH = 24, 60, 150
 _ALL_DARK = (1e-3, 1.0)
+#: Standard deviation in pixels of the smoothing under isolines.
+SMOOTHING = 2.0
+
+
+@dataclass(frozen=True)
+class Marks:
+    """What is drawn over a picture.
+
+    Attributes
+    ----------
+    extremes : whether the darkest and the brightest pixel are marked
+    isolines : values of lines of equal luminance; empty for the legend's own, None for no lines
+    """
+
+    extremes: bool = True
+    isolines: tuple[float, ...] | None = None
 
 
 def write_falsecolour(
@@ -35,6 +54,7 @@ def write_falsecolour(
     title: str,
     limits: tuple[float, float] | None = None,
     unit: str = "cd/m²",
+    marks: Marks | None = None,
 ) -> None:
     """Write a PNG of the picture in false colour on a logarithmic scale with a legend.
 
@@ -45,10 +65,12 @@ def write_falsecolour(
     ----------
     luminance : (h, w) float, nan where there is no picture
     limits : smallest and largest value that the scale tells apart; default `decade_limits`
+    marks : what is drawn over the picture; default its extremes
     """
     lower, upper = limits or decade_limits(luminance)
     if not 0 < lower < upper:
         raise ValueError(f"limits: ({lower}, {upper}), must be positive and ascending")
+    marks = marks or Marks()
     figure, picture_axes, legend_axes = _canvas(luminance.shape)
     # A logarithmic scale has no zero: what is dark is drawn as just below the scale.
     shown = picture_axes.imshow(
@@ -58,13 +80,16 @@ def write_falsecolour(
         interpolation="nearest",
     )
     _draw_legend(figure, shown, legend_axes, extend=_clipped_ends(luminance, lower, upper), unit=unit)
-    _mark_extremes(picture_axes, luminance, unit)
+    if marks.isolines is not None:
+        _draw_isolines(picture_axes, luminance, marks.isolines or tuple(scale_ticks(lower, upper).tolist()))
+    if marks.extremes:
+        _mark_extremes(picture_axes, luminance, unit)
     picture_axes.set_title(" ".join(title.split()), parse_math=False, fontsize=12, loc="left", pad=28)
     _save(figure, path)
 
 
-def decade_limits(luminance: NDArray[np.floating]) -> tuple[float, float]:
-    """Choose a scale of three to four decades that ends just above the 99.9th percentile.
+def decade_limits(luminance: NDArray[np.floating], decades: int | None = None) -> tuple[float, float]:
+    """Choose a scale of so many decades, else of three to four, that ends just above the 99.9th percentile.
 
     Both ends are of the series 1, 3, 10; the lower one follows the darkest thousandth within these bounds.
     """
@@ -73,6 +98,8 @@ def decade_limits(luminance: NDArray[np.floating]) -> tuple[float, float]:
         return _ALL_DARK
     darkest, brightest = np.percentile(lit, [0.1, 99.9])
     upper = _one_three_ten(brightest, np.ceil)
+    if decades is not None:
+        return upper / 10.0**decades, upper
     lower = _one_three_ten(np.clip(darkest, upper / 1e4, upper / 1e3), np.floor)
     return lower, upper
 
@@ -127,6 +154,26 @@ def _draw_legend(figure: Figure, shown: Any, axes: Any, *, extend: str, unit: st
     bar.ax.yaxis.set_minor_locator(NullLocator())
     bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: _short(value)))
     bar.ax.text(1.0, 1.06, unit, transform=axes.transAxes, ha="center", parse_math=False)
+
+
+def _draw_isolines(axes: Any, luminance: NDArray[np.floating], values: tuple[float, ...]) -> None:
+    """Draw lines of equal luminance where they are a step of the picture, each with its value."""
+    known = luminance[np.isfinite(luminance)]
+    crossed = sorted({v for v in values if known.size and known.min() < v < known.max()})
+    if not crossed:
+        return
+    smooth = _smoothed(luminance)
+    lines = axes.contour(smooth, levels=crossed, colors="white", linewidths=0.8)
+    for text in axes.clabel(lines, fmt=_short, fontsize=8, colors="white"):
+        text.set_path_effects([withStroke(linewidth=1.5, foreground="black")])
+
+
+def _smoothed(luminance: NDArray[np.floating]) -> FloatArray:
+    """Means of the logarithm over a few pixels around, nan where there is no picture: lines do not follow noise."""
+    lit = luminance > 0
+    weight = gaussian_filter(lit.astype(float), SMOOTHING)
+    logarithm = gaussian_filter(np.where(lit, np.log(np.where(lit, luminance, 1.0)), 0.0), SMOOTHING)
+    return np.where(lit, np.exp(logarithm / np.where(lit, weight, 1.0)), np.nan)
 
 
 def _mark_extremes(axes: Any, luminance: NDArray[np.floating], unit: str) -> None:

@@ -19,13 +19,14 @@ LUMINANCE_CHANNEL = "Y"
 def write_exr(path: Path, luminance: NDArray[np.floating], *, view: str) -> None:
     """Write a luminance picture (h, w) in cd/m²; nan, outside a fisheye's disc, becomes 0.
 
-    ``view``, as Radiance describes views, and the unit are kept as attributes of the file.
+    ``view``, as Radiance describes views (empty for none), and the unit are kept as attributes of the file.
     """
     height, width = luminance.shape
     spec = OpenImageIO.ImageSpec(width, height, 1, OpenImageIO.FLOAT)
     spec.channelnames = (LUMINANCE_CHANNEL,)
     spec.attribute("Software", "lelight")
-    spec.attribute("radiance_view", view)
+    if view:
+        spec.attribute("radiance_view", view)
     spec.attribute("unit", "cd/m2")
     pixels = np.where(np.isnan(luminance), 0, luminance).astype(np.float32)[..., None]
     with whole(path) as beside:

@@ -31,7 +31,7 @@ def write_hdr(path: Path, luminance: NDArray[np.floating], *, view: str) -> None
 
     Parameters
     ----------
-    view : the view as Radiance's options, for the ``VIEW=`` line
+    view : the view as Radiance's options, for the ``VIEW=`` line; empty for none
     """
     known = np.nan_to_num(np.asarray(luminance, dtype=np.float64), nan=0, posinf=0, neginf=0)
     grey = np.broadcast_to(known[..., None] / WHITE_EFFICACY, (*known.shape, 3))
@@ -44,7 +44,7 @@ def write_radiance(path: Path, radiance: FloatArray, *, view: str) -> None:
     lines = [
         "#?RADIANCE",
         "SOFTWARE=lelight",
-        f"VIEW= {' '.join(view.split())}",
+        *([f"VIEW= {' '.join(view.split())}"] if view else []),
         "EXPOSURE=1.0",
         "FORMAT=32-bit_rle_rgbe",
         "",
