@@ -23,6 +23,7 @@ from lelight.harmonics.frames import to_local
 from lelight.harmonics.indices import degree_of
 from lelight.harmonics.projection import synthesise_at
 from lelight.highlights import highlights, only_specular
+from lelight.incident import IncidentLight
 from lelight.mesh.locate import Locator
 from lelight.mesh.nearest import TriangleGrid
 from lelight.mesh.nodes import NodeMesh
@@ -56,6 +57,7 @@ class RadianceField:
     mesh, values : the nodes, and the light at them
     labels : (n_t,) int, patch of each triangle of the scene
     world : the traced scene
+    incident : arriving light, from which `lelight.relighting` makes other materials; None where it is not kept
     """
 
     scene: Scene
@@ -63,6 +65,7 @@ class RadianceField:
     values: NodeValues
     labels: IntArray
     world: World
+    incident: IncidentLight | None = None
 
     @property
     def illuminance(self) -> FloatArray:

@@ -20,7 +20,7 @@ from lelight.harmonics.hemigrid import HemisphereGrid
 from lelight.harmonics.indices import terms
 from lelight.harmonics.projection import project_columns
 from lelight.harmonics.zonal import reflected
-from lelight.plan import Plan
+from lelight.plan import Plan, lobe_degree
 from lelight.receivers import Receivers
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.reflection import Reflectances
@@ -98,12 +98,13 @@ class HarmonicDetail:
         radiance = np.zeros((len(receivers), self.width, self.channels))
         for material in np.unique(receivers.materials):
             own = receivers.materials == material
-            width = terms(int(receivers.degrees[own][0]))
+            specular, degree = stored_lobe(reflectances, material)
+            width = terms(degree)
             radiance[own, :width] = reflected(
                 kept[own, :width],
                 illuminance[own],
                 diffuse=reflectances.diffuse[material],
-                specular=_kept_specular(receivers, reflectances, material),
+                specular=specular,
                 exponent=float(reflectances.exponent[material]),
             )
         return radiance
@@ -147,7 +148,7 @@ class GridDetail:
         channels = kept.shape[2]
         specular = np.zeros((len(receivers), channels))
         for material in np.unique(receivers.materials):
-            specular[receivers.materials == material] = _kept_specular(receivers, reflectances, material)
+            specular[receivers.materials == material], _ = stored_lobe(reflectances, material)
         shape = (len(receivers), self.grid.zenith_count, self.grid.azimuth_count, channels)
         glossy = kept.reshape(shape) * specular[:, None, None, :]
         radiance = self.grid.fit(glossy, self.degree)
@@ -156,10 +157,11 @@ class GridDetail:
         return radiance
 
 
-def _kept_specular(receivers: Receivers, reflectances: Reflectances, material: int) -> FloatArray:
-    """Ks (C,) of a material, zero where its nodes keep no angular detail."""
-    detailed = receivers.degrees[receivers.materials == material][0] > 0
-    return np.asarray(reflectances.specular[material] * float(detailed))
+def stored_lobe(reflectances: Reflectances, material: int) -> tuple[FloatArray, int]:
+    """Ks (C,) of a material as far as it is stored, and the degree; none where it is too sharp, or not there."""
+    specular = reflectances.specular[material]
+    degree = lobe_degree(float(reflectances.exponent[material])) if specular.any() else 0
+    return np.asarray(specular * float(degree > 0)), degree
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
