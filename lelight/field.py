@@ -87,7 +87,7 @@ class RadianceField:
     @property
     def exitance(self) -> FloatArray:
         """(n, C) float, lm/m²: reflected and emitted."""
-        return self.reflected_exitance + math.pi * self._emission
+        return self.reflected_exitance + math.pi * self.emission
 
     @property
     def luminance_along_normal(self) -> FloatArray:
@@ -97,10 +97,11 @@ class RadianceField:
         nodes = np.arange(len(self.mesh))[:, None]
         degree = degree_of(self.values.radiance_sh.shape[1])
         reflected = synthesise_at(self.values.radiance_sh, degree, nodes, np.ones((len(nodes), 1)), up)
-        return np.asarray(reflected) + self._emission
+        return np.asarray(reflected) + self.emission
 
     @property
-    def _emission(self) -> FloatArray:
+    def emission(self) -> FloatArray:
+        """(n, C) float, cd/m² that nodes emit, the same in all directions."""
         luminance = np.zeros((len(self.scene.materials), self.world.channels))
         emitters = self.world.emitters
         source_materials = self.world.materials[np.flatnonzero(emitters.of_triangle >= 0)]
@@ -253,6 +254,25 @@ class RadianceField:
         return np.asarray(
             synthesise_at(self.values.radiance_sh, degree, nodes, weights, np.ascontiguousarray(local))
         )
+
+    def images(
+        self, points: FloatArray, normals: FloatArray, outgoing: FloatArray, materials: IntArray
+    ) -> FloatArray:
+        """Images (k, C) of emitters in glossy surfaces, and of everything where lobes are too sharp to store.
+
+        Parameters
+        ----------
+        points, normals, outgoing : (k, 3) float; the normal on the side that is seen
+        materials : (k,) int
+        """
+        paths = replace(
+            Paths.at(points, normals, channels=self.world.channels), outgoing=outgoing, materials=materials
+        )
+        radiance = np.zeros((len(points), self.world.channels))
+        glossy = np.flatnonzero(self.world.reflectances.specular_share[materials] > 0)
+        if len(glossy):
+            radiance[glossy] = self._mirrored(paths, glossy, np.arange(len(points)), LOG2_HIGHLIGHTS, 0)
+        return radiance
 
     def _mirrored(
         self, paths: Paths, glossy: IntArray, identity: IntArray, log2_highlights: int, depth: int

@@ -98,6 +98,8 @@ def write_geometry(out: Path, run: Calculation, stems: dict[str, dict[str, str]]
         planes=blocks["planes"],
         luminaires=out / "luminaires.vtp" if run.scene.luminaires else None,
         observers=out / "observers.vtp" if run.scene.observers else None,
+        eyes=run.scene.observers,
+        channels=run.field.world.channels,
     )
 
 

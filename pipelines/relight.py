@@ -96,6 +96,8 @@ def _write(
         field=to / "field.vtp",
         illuminance_range=robust_range(field.illuminance, field.mesh.hidden),
         observers=to / "observers.vtp" if eyes else None,
+        eyes=eyes,
+        channels=field.world.channels,
     )
     names = [eye.name for eye in eyes]
     write_pictures(to, _pictures(field, record), dict(zip(names, safe_names(names), strict=True)))
