@@ -21,6 +21,8 @@ COMMANDS = {
     "photometry": "Read photometric files: info, check, convert, ugr.",
     "compare": "Say what differs between two results, and how sure that is.",
     "metrics": "Print every figure of a result.",
+    "node": "Show how a node of a result looks from every side.",
+    "relight": "Give surfaces of a result other materials, without a new run.",
     "render": "Take a new picture of a result.",
     "report": "Write a PDF report of a result: luminance or glare.",
     "validate": "Compute scenes with known answers and compare.",

@@ -82,6 +82,12 @@ _RUN_OPTIONS = [
         "--directions", type=click.IntRange(16, MOST_DIRECTIONS), help="Directions of --method grid."
     ),
     click.option(
+        "--relightable",
+        type=click.FloatRange(0, 256),
+        metavar="EXPONENT",
+        help="Keep at all nodes what relight needs for lobes up to this exponent.",
+    ),
+    click.option(
         "--seed", type=click.IntRange(0, LARGEST_SEED), help="Seed of every random number. Default: 0."
     ),
     click.option("--threads", type=click.IntRange(min=1), help="Default: all that may be used."),

@@ -18,11 +18,12 @@ import numpy as np
 from lelight.camera import Camera, as_picture, stratified_offsets
 from lelight.channels import luminance_weighted
 from lelight.errors import OutputError
-from lelight.estimate.pathstate import Paths
+from lelight.estimate.pathstate import Paths, chosen_paths
 from lelight.harmonics.frames import to_local
 from lelight.harmonics.indices import degree_of
 from lelight.harmonics.projection import synthesise_at
 from lelight.harmonics.synthesis import synthesise_by_node
+from lelight.incident import IncidentLight
 from lelight.mesh.locate import Locator
 from lelight.mesh.nearest import TriangleGrid
 from lelight.mesh.nodes import NodeMesh
@@ -32,7 +33,7 @@ from lelight.results import NodeValues
 from lelight.scene import FloatArray, IntArray, Scene
 from lelight.spectral.bands import BANDS
 from lelight.tracing.world import World, build_world
-from lelight.viewrays import ViewRays
+from lelight.viewrays import Seen, ViewRays
 from lelight.writing.fieldfile import read_field, write_field
 
 #: Rays evaluated at once by one thread.
@@ -56,6 +57,7 @@ class RadianceField:
     mesh, values : the nodes, and the light at them
     labels : (n_t,) int, patch of each triangle of the scene
     world : the traced scene
+    incident : arriving light, from which `lelight.relighting` makes other materials; None where it is not kept
     """
 
     scene: Scene
@@ -63,6 +65,7 @@ class RadianceField:
     values: NodeValues
     labels: IntArray
     world: World
+    incident: IncidentLight | None = None
 
     @property
     def illuminance(self) -> FloatArray:
@@ -84,7 +87,7 @@ class RadianceField:
     @property
     def exitance(self) -> FloatArray:
         """(n, C) float, lm/m²: reflected and emitted."""
-        return self.reflected_exitance + math.pi * self._emission
+        return self.reflected_exitance + math.pi * self.emission
 
     @property
     def luminance_along_normal(self) -> FloatArray:
@@ -94,10 +97,11 @@ class RadianceField:
         nodes = np.arange(len(self.mesh))[:, None]
         degree = degree_of(self.values.radiance_sh.shape[1])
         reflected = synthesise_at(self.values.radiance_sh, degree, nodes, np.ones((len(nodes), 1)), up)
-        return np.asarray(reflected) + self._emission
+        return np.asarray(reflected) + self.emission
 
     @property
-    def _emission(self) -> FloatArray:
+    def emission(self) -> FloatArray:
+        """(n, C) float, cd/m² that nodes emit, the same in all directions."""
         luminance = np.zeros((len(self.scene.materials), self.world.channels))
         emitters = self.world.emitters
         source_materials = self.world.materials[np.flatnonzero(emitters.of_triangle >= 0)]
@@ -217,6 +221,26 @@ class RadianceField:
             own = np.flatnonzero(degrees == degree)
             radiance[own] = self._synthesised(int(degree), paths.outgoing[own], nodes[own], weights[own])
         return radiance
+
+    def images(
+        self, points: FloatArray, normals: FloatArray, outgoing: FloatArray, materials: IntArray
+    ) -> FloatArray:
+        """Images (k, C) of emitters in glossy surfaces, and of everything where lobes are too sharp to store.
+
+        Parameters
+        ----------
+        points, normals, outgoing : (k, 3) float; the normal on the side that is seen
+        materials : (k,) int
+        """
+        count = len(points)
+        paths = replace(
+            Paths.at(points, normals, channels=self.world.channels), outgoing=outgoing, materials=materials
+        )
+        seen = self._view_rays.reflecting(
+            paths, np.arange(count), log2_images=LOG2_HIGHLIGHTS, log2_mirrored=LOG2_HIGHLIGHTS
+        )
+        behind = chosen_paths(seen.surfaces, np.arange(count, len(seen.surfaces.number)))
+        return Seen(seen.radiance, behind).with_reflected(self.stored(behind))
 
     def _synthesised(
         self, degree: int, outgoing: FloatArray, nodes: IntArray, weights: FloatArray

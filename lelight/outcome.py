@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lelight.estimate.angular import AngularDetail
+from lelight.estimate.angular import AngularDetail, HarmonicDetail
 from lelight.estimate.interpolation import InterpolationError, interpolation_error
 from lelight.estimate.replicates import Replicates, pooled_error
 from lelight.field import RadianceField
+from lelight.incident import IncidentLight
+from lelight.plan import stored_degree
 from lelight.preparation import Stage
 from lelight.receivers import CYLINDRICAL, ILLUMINANCE, SCALAR, VECTOR
 from lelight.results import NodeValues, ObserverValues, PlaneValues
@@ -34,10 +36,19 @@ def found_field(
         direct=np.maximum(direct[:, ILLUMINANCE], 0.0),
         scalar_illuminance=total[:, SCALAR],
         light_vector=total[:, VECTOR : VECTOR + 3],
-        sh_degree=stage.receivers.degrees[nodes],
+        sh_degree=np.array([stored_degree(material) for material in scene.materials])[stage.mesh.materials],
         radiance_sh=_radiance(stage, replicates, detail, total[:, ILLUMINANCE]),
     )
-    return RadianceField(scene, stage.mesh, values, stage.labels, stage.world)
+    incident = _incident(stage, replicates) if isinstance(detail, HarmonicDetail) else None
+    return RadianceField(scene, stage.mesh, values, stage.labels, stage.world, incident)
+
+
+def _incident(stage: Stage, replicates: Replicates) -> IncidentLight:
+    """Keep the mean of the arriving light, for materials to come."""
+    nodes = np.flatnonzero(stage.receivers.degrees > 0)
+    coefficients = (replicates.angular / replicates.count).astype(np.float32)
+    coefficients[stage.mesh.hidden[nodes]] = 0.0
+    return IncidentLight(nodes, stage.receivers.degrees[nodes], coefficients)
 
 
 def _radiance(

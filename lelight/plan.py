@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from lelight.errors import SceneError
 from lelight.harmonics.zonal import degree_for
 from lelight.luminaires import PhotometricLuminaire
 from lelight.scene import IntArray, Material, Scene
@@ -39,7 +40,7 @@ class Plan:
     ----------
     channels : int, C
     method : how glossy nodes keep angular detail
-    degrees : (n_materials,) int; degree of the harmonics kept at the material's nodes, 0 for none
+    degrees : (n_materials,) int; degree of the harmonics that the material's nodes keep of arriving light, 0 for none
     decisions : in the order in which they were taken
     """
 
@@ -54,19 +55,42 @@ class Plan:
         return int(self.degrees.max(initial=0))
 
 
-def make_plan(scene: Scene, *, method: Method = "sh") -> Plan:
-    """Decide channels, angular detail, emitters and observers' needs from the scene alone."""
+def make_plan(scene: Scene, *, method: Method = "sh", relightable: float | None = None) -> Plan:
+    """Decide channels, angular detail, emitters and observers' needs from the scene alone.
+
+    Parameters
+    ----------
+    relightable : exponent up to which all nodes keep what lobes need, whatever their own material
+    """
     channels, colour = _channels(scene)
     degrees = np.array([stored_degree(material) for material in scene.materials], dtype=np.int64)
-    decisions = [colour, *_angular(scene, degrees, method), _emission(scene), _left_out()]
-    return Plan(channels, method, degrees, tuple(decisions))
+    decisions = [colour, *_angular(scene, degrees, method)]
+    if relightable is not None:
+        if method != "sh":
+            raise SceneError(f"--relightable needs --method sh: {method} keeps what surfaces reflect")
+        degrees = np.maximum(degrees, lobe_degree(relightable))
+        decisions.append(_relighting(relightable))
+    return Plan(channels, method, degrees, (*decisions, _emission(scene), _left_out()))
 
 
 def stored_degree(material: Material) -> int:
     """Degree of harmonics at nodes of a material: 0 where it is Lambertian or too sharp to store."""
-    if not material.glossy or material.exponent > LARGEST_STORED_EXPONENT:
+    return lobe_degree(material.exponent) if material.glossy else 0
+
+
+def lobe_degree(exponent: float) -> int:
+    """Degree of harmonics that a lobe is stored to: 0 where it is too sharp to store."""
+    if exponent > LARGEST_STORED_EXPONENT:
         return 0
-    return degree_for(max(material.exponent, BLUNT_EXPONENT))
+    return degree_for(max(exponent, BLUNT_EXPONENT))
+
+
+def _relighting(exponent: float) -> Decision:
+    return Decision(
+        "light for relighting",
+        f"harmonics of degree {lobe_degree(exponent)} at all nodes",
+        f"any material may be given lobes of exponents up to {exponent:g} afterwards",
+    )
 
 
 def _channels(scene: Scene) -> tuple[int, Decision]:

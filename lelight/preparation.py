@@ -103,7 +103,7 @@ class _Site:
 
 def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) -> Stage:
     """Plan, remesh, find the lit sides and the buried nodes, list the receivers."""
-    plan = make_plan(scene, method=settings.method)
+    plan = make_plan(scene, method=settings.method, relightable=settings.relightable)
     labels = patches(scene)
     edge = settings.edge or default_edge(scene) * settings.values.edge_scale
     world = build_world(scene, plan.channels)

@@ -191,6 +191,8 @@ RUN = table(
         "interpolation": or_null(table(others=number)),
         "materials": items(MATERIAL),
         "luminaires": items(LAMP),
+        "relit": table(others=table(others=nested)),
+        "relit_of": text,
         "files": table(others=text),
         "versions": table(others=text),
     }

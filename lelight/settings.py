@@ -48,6 +48,7 @@ class Settings:
     method : how glossy nodes keep angular detail
     edge : float or None; edge length of the node mesh in m, None for the scene's size and the preset
     directions : int or None; directions of the hemisphere grid, only for method ``grid``
+    relightable : float or None; exponent up to which all nodes keep what `lelight.relighting` needs
     seed : int, of every random number
     threads : int
     batches : int or None; exactly so many replicates, without doubling, instead of a target
@@ -63,6 +64,7 @@ class Settings:
     method: Method = "sh"
     edge: float | None = None
     directions: int | None = None
+    relightable: float | None = None
     seed: int = 0
     threads: int = 0
     batches: int | None = None

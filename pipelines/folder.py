@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,10 @@ from lelight.errors import OutputError
 from lelight.luminaires import have_direction
 from lelight.metrics.table import to_csv
 from lelight.pipelines.eyes import Sight
+from lelight.scene import FloatArray
 from lelight.writing.falsecolour import decade_limits, write_falsecolour
 from lelight.writing.files import make_folder, safe_names, whole, write_text
+from lelight.writing.incidentfile import write_incident
 from lelight.writing.layout import write_layout
 from lelight.writing.paraview import write_paraview_script
 from lelight.writing.pictures import write_exr
@@ -27,6 +29,8 @@ from lelight.writing.vtkfiles import write_index, write_luminaires, write_observ
 
 #: What every replicate found, for `lelight compare` and ``calc --like``.
 REPLICATES = "replicates.npz"
+#: Light that arrives at glossy nodes by direction, for `lelight relight`.
+INCIDENT = "incident.npz"
 
 
 def prepare_folder(out: Path) -> None:
@@ -66,6 +70,8 @@ def write_geometry(out: Path, run: Calculation, stems: dict[str, dict[str, str]]
     """Write field, planes, luminaires, observers, the index and the ParaView script."""
     field_file = out / "field.vtp"
     run.field.save(field_file, header=_header(run))
+    if run.field.incident is not None:
+        write_incident(out / INCIDENT, run.field.incident)
     with whole(out / REPLICATES) as beside:
         write_replicates(beside, run.replicates, run.planes, run.observers, run.sampling)
     blocks: dict[str, dict[str, Path]] = {"field": {"field": field_file}}
@@ -92,21 +98,34 @@ def write_geometry(out: Path, run: Calculation, stems: dict[str, dict[str, str]]
         planes=blocks["planes"],
         luminaires=out / "luminaires.vtp" if run.scene.luminaires else None,
         observers=out / "observers.vtp" if run.scene.observers else None,
+        eyes=run.scene.observers,
+        channels=run.field.world.channels,
     )
 
 
 def write_sights(out: Path, sights: tuple[Sight, ...], stems: Mapping[str, str]) -> None:
     """Write each observer's picture as EXR, Radiance HDR and false colour, on one scale for all."""
+    write_pictures(out, [(s.observer.name, s.luminance, s.view) for s in sights], stems)
+
+
+def write_pictures(
+    out: Path, pictures: Sequence[tuple[str, FloatArray, str]], stems: Mapping[str, str]
+) -> None:
+    """Write pictures of observers.
+
+    Parameters
+    ----------
+    pictures : of each the observer's name, luminance (h, w) in cd/m², and Radiance's view options
+    """
     folder = make_folder(out / "observers")
-    if not sights:
+    if not pictures:
         return
-    seen = np.concatenate([sight.luminance[np.isfinite(sight.luminance)] for sight in sights])
-    limits = decade_limits(seen)
-    for sight in sights:
-        stem = stems[sight.observer.name]
-        write_exr(folder / f"{stem}.exr", sight.luminance, view=sight.view)
-        write_hdr(folder / f"{stem}.hdr", np.nan_to_num(sight.luminance), view=sight.view)
-        write_falsecolour(folder / f"{stem}.png", sight.luminance, title=sight.observer.name, limits=limits)
+    limits = decade_limits(np.concatenate([seen[np.isfinite(seen)] for _, seen, _ in pictures]))
+    for name, luminance, view in pictures:
+        stem = stems[name]
+        write_exr(folder / f"{stem}.exr", luminance, view=view)
+        write_hdr(folder / f"{stem}.hdr", np.nan_to_num(luminance), view=view)
+        write_falsecolour(folder / f"{stem}.png", luminance, title=name, limits=limits)
 
 
 def write_tables(out: Path, table: Mapping[str, Any]) -> None:

@@ -13,7 +13,9 @@ from lelight.settings import Settings
 from lelight.writing.replicatesfile import read_replicates
 
 #: Settings that two runs share where their random numbers are to be the same.
-SHARED_SETTINGS = frozenset({"preset", "method", "edge", "directions", "seed", "adaptive", "estimator"})
+SHARED_SETTINGS = frozenset(
+    {"preset", "method", "edge", "directions", "relightable", "seed", "adaptive", "estimator"}
+)
 
 
 def settings_like(out: Path, settings: Settings, *, given: Collection[str]) -> tuple[Settings, SamplingPlan]:

@@ -16,7 +16,7 @@ from lelight.luminaires import Luminaire
 from lelight.photometry.zones import luminous_flux
 from lelight.pipelines.datasheets import data_sheets
 from lelight.plan import LARGEST_STORED_EXPONENT
-from lelight.reading.lint import material_table
+from lelight.reading.lint import material_rows
 from lelight.scene import PointLuminaire
 from lelight.versions import package_versions
 
@@ -62,7 +62,7 @@ def run_record(
         "warnings": warnings,
         "unit": run.scene.unit,
         "up": run.scene.up,
-        "materials": _materials(run),
+        "materials": material_rows(run.scene),
         "luminaires": [_luminaire(lamp) for lamp in run.scene.luminaires],
         "data_sheets": data_sheets(run.scene.luminaires),
         "files": run.scene.files,
@@ -129,21 +129,6 @@ def _luminaire(lamp: Luminaire) -> dict[str, Any]:
         "opening": photometry.opening.shape,
         "opening_m": [photometry.opening.along_c0, photometry.opening.along_c90, photometry.opening.height],
     }
-
-
-def _materials(run: Calculation) -> list[dict[str, Any]]:
-    return [
-        {
-            "name": row.name,
-            "area_m2": row.area,
-            "reflectance": row.reflectance.tolist(),
-            "specular": row.specular.tolist(),
-            "exponent": row.exponent,
-            "luminance_cd_m2": row.luminance.tolist(),
-            "origin": row.origin,
-        }
-        for row in material_table(run.scene)
-    ]
 
 
 def bias_statements(run: Calculation) -> list[str]:

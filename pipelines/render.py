@@ -15,6 +15,7 @@ from lelight.errors import OutputError
 from lelight.field import RadianceField
 from lelight.panorama import Cylindrical
 from lelight.pipelines.results import read_run
+from lelight.reading.changes import changed
 from lelight.reading.loading import load
 from lelight.scene import FloatArray, Observer, Scene
 from lelight.settings import Settings
@@ -131,7 +132,7 @@ def stored_field(out: Path) -> RadianceField:
     scene = load(path)
     if scene.files != run.get("files"):
         raise OutputError(f"{path}: changed since {out} was computed; run `lelight calc {path}` again")
-    return RadianceField.load(out / "field.vtp", scene)
+    return RadianceField.load(out / "field.vtp", changed(scene, run.get("relit", {})))
 
 
 def _observer(scene: Scene, name: str) -> Eye:

@@ -52,6 +52,7 @@ FILES = {
     "paraview.py",
     "planes/work plane.csv",
     "planes/work plane.vtp",
+    "incident.npz",
     "replicates.npz",
     "run.json",
     "scene.vtm",

@@ -10,8 +10,14 @@ import subprocess
 
 import numpy as np
 import pytest
+from commandline import NASTY
+from vtkmodules.numpy_interface import dataset_adapter
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 from lelight.mesh.nodes import NodeMesh
+from lelight.nodelight import seen_from
+from lelight.pipelines.render import stored_field
 from lelight.results import NodeValues
 from lelight.scene import Observer, PointLuminaire
 from lelight.writing.paraview import write_paraview_script
@@ -72,6 +78,7 @@ def write_result(folder):
         planes=planes,
         luminaires=folder / "luminaires.vtp",
         observers=folder / "observers.vtp",
+        eyes=[Observer('eye "1"', np.array([0.5, -2.0, 1.0]), np.array([0.0, 1.0, 0.0]))],
     )
 
 
@@ -96,6 +103,8 @@ def test_names_are_data_and_paths_are_relative(tmp_path):
         "planes": {'work "plane"\\': "planes/work.vtp", "Flur ü": "planes/Flur ü.vtp"},
         "luminaires": "luminaires.vtp",
         "observers": "observers.vtp",
+        "eyes": {'eye "1"': [0.5, -2.0, 1.0]},
+        "channels": {"radiance_sh": 1.0},
     }
     assert str(tmp_path) not in (folder / "paraview.py").read_text(encoding="utf-8")
 
@@ -106,6 +115,36 @@ def test_what_a_scene_does_not_have_is_left_out(tmp_path):
     )
     found = settings(tmp_path / "paraview.py")
     assert (found["planes"], found["luminaires"], found["observers"]) == ({}, None, None)
+
+
+def test_luminance_toward_an_eye_is_that_of_the_field(run):
+    """What ParaView is given to run, run on the file by VTK's own Python wrapping of data sets."""
+    tree = ast.parse((run.out / "paraview.py").read_text(encoding="utf-8"))
+    (code,) = [
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "LUMINANCE"
+    ]
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(str(run.out / "field.vtp"))
+    reader.Update()
+    source = dataset_adapter.WrapDataObject(reader.GetOutput())
+    output = dataset_adapter.WrapDataObject(vtkPolyData())
+    output.ShallowCopy(reader.GetOutput())
+    eye = settings(run.out / "paraview.py")["eyes"][NASTY]
+    names: dict[str, object] = {}
+    exec(code, names)
+    names["add_luminance"](source, output, eye, settings(run.out / "paraview.py")["channels"])
+    found = np.asarray(output.PointData["luminance_toward_eye_cd_m2"])
+    field = stored_field(run.out)
+    away = np.array(eye) - field.mesh.positions
+    away /= np.linalg.norm(away, axis=1)[:, None]
+    facing = np.sum(away * field.mesh.normals, axis=1) > 0
+    for node in np.flatnonzero(facing)[::7]:
+        parts = seen_from(field, node, away[[node]])
+        assert found[node] == pytest.approx(parts.stored[0] + parts.emitted, rel=1e-5, abs=1e-6)
+    assert not found[~facing].any()
+    assert field.emission.max() > 0 and field.values.sh_degree.max() > 0
 
 
 def run_in_paraview(folder, cwd, script="paraview.py", *arguments):

@@ -50,6 +50,7 @@ threads = 2
 estimator = "emitters"
 batches = 16
 directions = 64
+relightable = 100
 """
 
 LUMINAIRE = '[[luminaires]]\nname = "L"\nposition = [0, 0, 0]\n'
@@ -95,6 +96,7 @@ def test_every_key_arrives(tmp_path: Path) -> None:
         "adaptive": None,
         "batches": 16,
         "directions": 64,
+        "relightable": 100.0,
     }
 
 

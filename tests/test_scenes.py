@@ -13,9 +13,13 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from lelight.estimate.direct import direct_light, with_clear_share
 from lelight.reading.loading import load
+from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.scene import LUMINANCE_WEIGHTS, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
 from lelight.tracing.rays import RayCaster
+from lelight.tracing.sampling import Stretch
+from lelight.tracing.world import build_world
 
 SCENES = Path(__file__).parents[1] / "scenes"
 NAMES = sorted(path.stem for path in SCENES.glob("*.toml") if path.stem != "hall")
@@ -176,7 +180,8 @@ def test_furniture_hangs_together_with_the_room(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "luminous_flux"), [("office", 13572.0), ("corridor", 7917.0), ("cornell", 428.8)]
+    ("name", "luminous_flux"),
+    [("office", 13572.0), ("corridor", 7917.0), ("cornell", 428.8), ("sobolev_phong", 6785.84)],
 )
 def test_lamps_shine_downwards_with_the_stated_flux(name: str, luminous_flux: float) -> None:
     scene = load(SCENES / f"{name}.toml")
@@ -270,3 +275,11 @@ def test_hall_is_large_closed_and_the_same_every_time(tmp_path: Path) -> None:
     # 60 panels of 1.2 x 0.6 m that shine downwards.
     assert lamp_area(scene) == pytest.approx(60 * 1.2 * 0.6, rel=1e-12)
     np.testing.assert_allclose(lamp_normals(scene)[:, 2], -1.0, rtol=1e-12)
+
+
+def test_glossy_planes_have_the_stated_direct_light_under_the_downlight() -> None:
+    world = build_world(load(SCENES / "sobolev_phong.toml"), 1)
+    under = with_surface(space_receivers(np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]])))
+    under = with_clear_share(world, under, seed=(0, 3))
+    light, _ = direct_light(world, under, samples=Stretch.of(6), seed=(0, 1))
+    assert light[0, ILLUMINANCE, 0] == pytest.approx(552.954, abs=1e-3)

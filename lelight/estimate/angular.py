@@ -14,13 +14,13 @@ from typing import Protocol
 import numpy as np
 from numba import njit
 
+from lelight.estimate.arriving import arriving
 from lelight.estimate.local import Arrivals
-from lelight.harmonics.frames import mirrored, to_local
 from lelight.harmonics.hemigrid import HemisphereGrid
 from lelight.harmonics.indices import terms
-from lelight.harmonics.projection import project_groups
+from lelight.harmonics.projection import project_columns
 from lelight.harmonics.zonal import reflected
-from lelight.plan import Plan
+from lelight.plan import Plan, lobe_degree
 from lelight.receivers import Receivers
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.reflection import Reflectances
@@ -80,13 +80,15 @@ class HarmonicDetail:
 
     def collect(self, receivers: Receivers, arrivals: tuple[Arrivals, ...]) -> FloatArray:
         """Project the mirrored arrivals of each receiver; see `AngularDetail`."""
-        kept = np.zeros((len(receivers), self.width, self.channels))
         if not arrivals:
-            return kept
-        owner, local, irradiance = _sorted(receivers, arrivals)
-        offsets = np.searchsorted(owner, np.arange(len(receivers) + 1))
+            return np.zeros((len(receivers), self.width, self.channels))
+        light = arriving(receivers, arrivals)
         degree = int(receivers.degrees.max())
-        kept[:, : terms(degree)] = project_groups(degree, offsets, mirrored(local), irradiance)
+        found = project_columns(degree, light.offsets, light.mirrored, light.irradiance)
+        if degree == self.degree:
+            return found
+        kept = np.zeros((len(receivers), self.width, self.channels))
+        kept[:, : terms(degree)] = found
         return kept
 
     def coefficients(
@@ -96,12 +98,13 @@ class HarmonicDetail:
         radiance = np.zeros((len(receivers), self.width, self.channels))
         for material in np.unique(receivers.materials):
             own = receivers.materials == material
-            width = terms(int(receivers.degrees[own][0]))
+            specular, degree = stored_lobe(reflectances, material)
+            width = terms(degree)
             radiance[own, :width] = reflected(
                 kept[own, :width],
                 illuminance[own],
                 diffuse=reflectances.diffuse[material],
-                specular=_kept_specular(receivers, reflectances, material),
+                specular=specular,
                 exponent=float(reflectances.exponent[material]),
             )
         return radiance
@@ -132,10 +135,10 @@ class GridDetail:
         channels = self.reflectances.diffuse.shape[1]
         kept = np.zeros((len(receivers), self.width, channels))
         if arrivals:
-            owner, local, irradiance = _sorted(receivers, arrivals)
+            light = arriving(receivers, arrivals)
             exponents = self.reflectances.exponent[receivers.materials]
-            directions = self.grid.directions.reshape(-1, 3)
-            _reflect_to_grid(kept, owner, mirrored(local), irradiance, exponents, directions)
+            x, y, z = (np.ascontiguousarray(axis) for axis in self.grid.directions.reshape(-1, 3).T)
+            _reflect_to_grid(kept, light.offsets, light.mirrored, light.irradiance, exponents, (x, y, z))
         return kept
 
     def coefficients(
@@ -145,7 +148,7 @@ class GridDetail:
         channels = kept.shape[2]
         specular = np.zeros((len(receivers), channels))
         for material in np.unique(receivers.materials):
-            specular[receivers.materials == material] = _kept_specular(receivers, reflectances, material)
+            specular[receivers.materials == material], _ = stored_lobe(reflectances, material)
         shape = (len(receivers), self.grid.zenith_count, self.grid.azimuth_count, channels)
         glossy = kept.reshape(shape) * specular[:, None, None, :]
         radiance = self.grid.fit(glossy, self.degree)
@@ -154,42 +157,53 @@ class GridDetail:
         return radiance
 
 
-def _kept_specular(receivers: Receivers, reflectances: Reflectances, material: int) -> FloatArray:
-    """Ks (C,) of a material, zero where its nodes keep no angular detail."""
-    detailed = receivers.degrees[receivers.materials == material][0] > 0
-    return np.asarray(reflectances.specular[material] * float(detailed))
+def stored_lobe(reflectances: Reflectances, material: int) -> tuple[FloatArray, int]:
+    """Ks (C,) of a material as far as it is stored, and the degree; none where it is too sharp, or not there."""
+    specular = reflectances.specular[material]
+    degree = lobe_degree(float(reflectances.exponent[material])) if specular.any() else 0
+    return np.asarray(specular * float(degree > 0)), degree
 
 
-def _sorted(receivers: Receivers, arrivals: tuple[Arrivals, ...]) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Arrivals by receiver, in their order: owner (k,), local directions (k, 3), irradiance (k, C)."""
-    owner = np.concatenate([a.receiver for a in arrivals])
-    order = np.argsort(owner, kind="stable")
-    owner = owner[order]
-    directions = np.concatenate([a.directions for a in arrivals])[order]
-    local = to_local(directions, receivers.normals[owner], receivers.frames_x[owner])
-    light = np.concatenate([a.radiance_solid_angle for a in arrivals])[order]
-    return owner, local, light * np.maximum(local[:, 2:], 0.0)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+def _reflect_to_grid(
+    kept: FloatArray,
+    offsets: IntArray,
+    axes: tuple[FloatArray, FloatArray, FloatArray],
+    irradiance: FloatArray,
+    exponents: FloatArray,
+    directions: tuple[FloatArray, FloatArray, FloatArray],
+) -> None:
+    """Add (n + 2) / (2 pi) cos^n of the arrivals of every receiver to all directions (d,)."""
+    x, y, z = directions
+    lobe = np.empty(len(x))
+    for r in range(len(kept)):
+        n = exponents[r]
+        peak = (n + 2.0) / (2.0 * math.pi)
+        for k in range(offsets[r], offsets[r + 1]):
+            ax, ay, az = axes[0][k], axes[1][k], axes[2][k]
+            for d in range(len(x)):
+                lobe[d] = max(ax * x[d] + ay * y[d] + az * z[d], 0.0)
+            _raise(lobe, n)
+            for c in range(kept.shape[2]):
+                light = irradiance[c, k] * peak
+                for d in range(len(x)):
+                    kept[r, d, c] += light * lobe[d]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _reflect_to_grid(
-    kept: FloatArray,
-    owner: IntArray,
-    axes: FloatArray,
-    irradiance: FloatArray,
-    exponents: FloatArray,
-    directions: FloatArray,
-) -> None:
-    """Add (n + 2) / (2 pi) cos^n of every arrival to all directions (d, 3) of its receiver."""
-    for k in range(len(owner)):
-        r = owner[k]
-        n = exponents[r]
-        peak = (n + 2.0) / (2.0 * math.pi)
-        for d in range(len(directions)):
-            cos_alpha = (
-                axes[k, 0] * directions[d, 0] + axes[k, 1] * directions[d, 1] + axes[k, 2] * directions[d, 2]
-            )
-            if cos_alpha > 0.0:
-                reflected_lobe = peak * cos_alpha**n
-                for c in range(kept.shape[2]):
-                    kept[r, d, c] += irradiance[k, c] * reflected_lobe
+def _raise(lobe: FloatArray, exponent: float) -> None:
+    """Raise numbers (d,) to a power, whole ones by squaring."""
+    whole = int(exponent)
+    if whole != exponent:
+        for d in range(len(lobe)):
+            lobe[d] = lobe[d] ** exponent
+        return
+    square = lobe.copy()
+    lobe[:] = 1.0
+    while whole > 0:
+        if whole & 1:
+            for d in range(len(lobe)):
+                lobe[d] *= square[d]
+        whole >>= 1
+        for d in range(len(lobe)):
+            square[d] *= square[d]

@@ -266,12 +266,54 @@ def _arrivals(
 ) -> Arrivals:
     """List the unblocked pairs at receivers that keep angular detail."""
     wanted = clear[receivers.degrees[pairs.receiver[clear]] > 0]
-    vertex, receiver = pairs.vertex[wanted], pairs.receiver[wanted]
-    toward = vertices.points[vertex] - receivers.points[receiver]
-    toward /= np.linalg.norm(toward, axis=1, keepdims=True)
-    material = vertices.materials[vertex]
-    reflected = (
-        world.reflectances.diffuse[material] * pairs.diffuse[wanted, None]
-        + world.reflectances.specular[material] * pairs.specular[wanted, None]
+    found = Arrivals(
+        pairs.receiver[wanted], np.empty((len(wanted), 3)), np.empty((len(wanted), world.channels))
     )
-    return Arrivals(receiver, toward, vertices.flux[vertex] * reflected)
+    _list_arrivals(
+        wanted,
+        pairs.vertex,
+        pairs.receiver,
+        pairs.diffuse,
+        pairs.specular,
+        vertices.points,
+        vertices.flux,
+        vertices.materials,
+        world.reflectances,
+        receivers.points,
+        found.directions,
+        found.radiance_solid_angle,
+    )
+    return found
+
+
+@njit(**_COMPILED)
+def _list_arrivals(
+    wanted: IntArray,
+    vertex: IntArray,
+    receiver: IntArray,
+    diffuse: FloatArray,
+    specular: FloatArray,
+    points: FloatArray,
+    flux: FloatArray,
+    materials: IntArray,
+    reflectances: Reflectances,
+    at: FloatArray,
+    out_directions: FloatArray,
+    out_light: FloatArray,
+) -> None:
+    """Write direction and radiance times solid angle of each wanted pair."""
+    for k, pair in enumerate(wanted):
+        i, r = vertex[pair], receiver[pair]
+        m = materials[i]
+        wx, wy, wz = points[i, 0] - at[r, 0], points[i, 1] - at[r, 1], points[i, 2] - at[r, 2]
+        shorten = 1.0 / math.sqrt(wx * wx + wy * wy + wz * wz)
+        out_directions[k, 0], out_directions[k, 1], out_directions[k, 2] = (
+            wx * shorten,
+            wy * shorten,
+            wz * shorten,
+        )
+        for c in range(out_light.shape[1]):
+            reflected = (
+                reflectances.diffuse[m, c] * diffuse[pair] + reflectances.specular[m, c] * specular[pair]
+            )
+            out_light[k, c] = flux[i, c] * reflected

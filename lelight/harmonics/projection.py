@@ -13,31 +13,35 @@ import numpy as np
 from numba import njit
 
 from lelight.harmonics.basis import check_degree, degree_of, evaluate_into, terms
+from lelight.harmonics.deposit import deposit
 from lelight.harmonics.transform import transform
 from lelight.scene import FloatArray, IntArray
 
-# Times in ns on one thread of a shared two-core x86-64 machine (numba 0.68, ducc0 0.42), 1 and 3 channels:
-#   degree                                4       6       8      12      16      30      49
-#   loop, a contribution, 1              64     109     169     340     572    1870    5000
-#   loop, a contribution, 3              86     154     247     506     854    2860    7600
-#   transform, a call, 1             40 000  49 000  51 000  54 000  59 000  80 000 124 000
-#   transform, a call, 3             97 000 126 000 131 000 139 000 152 000 217 000 346 000
-#   transform, a contribution, 1         57      51      57      56      61      63      73
-#   transform, a contribution, 3        112     115     120     131     137     147     156
-#   break-even by these rows, 1        5700     850     450     190     115      44      25
-#   break-even by these rows, 3       never    3200    1030     370     210      80      46
-# The constants are lines through these figures; from degree 8 on `break_even` meets the counts within 35 %.
-LOOP_NS_PER_TERM = 1.55
-LOOP_NS_PER_TERM_AND_CHANNEL = 0.45
+# Times in ns on one thread of a shared two-core x86-64 machine (numba 0.68, ducc0 0.42), 1 and 3 channels, 430
+# contributions a call:
+#   degree                                 6      11      24      48      59
+#   loop, a contribution, 1               10      22      73     254     375
+#   loop, a contribution, 3               25      55     185     680     990
+#   transform, a call, 1              49 000  53 000  70 000 122 000 150 000
+#   transform, a call, 3             126 000 137 000 185 000 340 000 400 000
+#   transform, a contribution, 1          51      56      62      73      76
+#   transform, a contribution, 3         115     130     142     156     160
+#   break-even by these rows, 1        never   never    6400     670     500
+#   break-even by these rows, 3        never   never    4300     650     480
+# The constants are lines through these figures.
+LOOP_NS_PER_CONTRIBUTION = 7.0
+LOOP_NS_PER_TERM = 0.02
+LOOP_NS_PER_TERM_AND_CHANNEL = 0.085
 TRANSFORM_NS_PER_CALL_AND_CHANNEL = 30_000.0
-TRANSFORM_NS_PER_CALL_AND_CHANNEL_AND_DEGREE = 1_700.0
+TRANSFORM_NS_PER_CALL_AND_CHANNEL_AND_DEGREE = 1_800.0
 TRANSFORM_NS_PER_CONTRIBUTION = 15.0
-TRANSFORM_NS_PER_CONTRIBUTION_AND_CHANNEL = 42.0
+TRANSFORM_NS_PER_CONTRIBUTION_AND_CHANNEL = 48.0
 
 
 def break_even(degree: int, channels: int) -> float:
     """Count of contributions above which the transform is faster than the loop; inf where it never is."""
-    loop = terms(degree) * (LOOP_NS_PER_TERM + LOOP_NS_PER_TERM_AND_CHANNEL * channels)
+    a_term = LOOP_NS_PER_TERM + LOOP_NS_PER_TERM_AND_CHANNEL * channels
+    loop = LOOP_NS_PER_CONTRIBUTION + terms(degree) * a_term
     saved = loop - TRANSFORM_NS_PER_CONTRIBUTION - TRANSFORM_NS_PER_CONTRIBUTION_AND_CHANNEL * channels
     call = TRANSFORM_NS_PER_CALL_AND_CHANNEL + TRANSFORM_NS_PER_CALL_AND_CHANNEL_AND_DEGREE * degree
     return call * channels / saved if saved > 0 else np.inf
@@ -76,41 +80,33 @@ def project_groups(degree: int, offsets: IntArray, directions: FloatArray, weigh
     -------
     (g, T, C) float, T = (degree + 1)²; a group's result does not depend on the other groups
     """
-    check_degree(degree)
-    unit, flux = _contributions(directions, weights)
-    counts = _counts(offsets, len(unit))
-    out = np.zeros((len(counts), terms(degree), flux.shape[1]))
-    crowded = counts > break_even(degree, flux.shape[1])
-    groups = np.repeat(np.arange(len(counts)), counts)
-    few = ~crowded[groups]
-    deposit(degree, groups[few], unit[few], flux[few], out)
-    for g in np.flatnonzero(crowded):
-        members = slice(offsets[g], offsets[g + 1])
-        out[g] = transform(degree, unit[members], flux[members])
-    return out
+    columns, flux = _contributions(directions, weights)
+    return project_columns(degree, offsets, columns, flux)
 
 
-@njit(nogil=True, cache=True)
-def deposit(
-    degree: int, groups: IntArray, directions: FloatArray, weights: FloatArray, out: FloatArray
-) -> None:
-    """Add each contribution to the coefficients of its group, in order; callable from other kernels.
+def project_columns(
+    degree: int,
+    offsets: IntArray,
+    columns: tuple[FloatArray, FloatArray, FloatArray],
+    weights: FloatArray,
+) -> FloatArray:
+    """`project_groups` of contributions that lie in memory quantity by quantity.
 
     Parameters
     ----------
-    degree : int, unchecked
-    groups : (k,) int into the first axis of ``out``
-    directions : (k, 3) float, unit length
-    weights : (k, C) float
-    out : (g, T, C) float, added to
+    columns : x, y and z (k,) of the unit directions, contiguous
+    weights : (C, k) float, contiguous
     """
-    harmonics = np.empty((degree + 1) ** 2)
-    for k in range(len(directions)):
-        evaluate_into(degree, directions[k, 0], directions[k, 1], directions[k, 2], harmonics)
-        coefficients = out[groups[k]]
-        for t in range(len(harmonics)):
-            for c in range(weights.shape[1]):
-                coefficients[t, c] += weights[k, c] * harmonics[t]
+    check_degree(degree)
+    counts = _counts(offsets, weights.shape[1])
+    channels = len(weights)
+    out = np.zeros((len(counts), terms(degree), channels))
+    crowded = counts > break_even(degree, channels)
+    deposit(degree, offsets, np.flatnonzero(~crowded), columns, weights, out)
+    for g in np.flatnonzero(crowded):
+        own = slice(offsets[g], offsets[g + 1])
+        out[g] = transform(degree, np.column_stack([each[own] for each in columns]), weights[:, own].T)
+    return out
 
 
 def synthesise(coefficients: FloatArray, directions: FloatArray) -> FloatArray:
@@ -170,15 +166,17 @@ def synthesise_at(
     return values
 
 
-def _contributions(directions: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Contiguous float64 copies where needed, after a check of the shapes."""
-    unit = np.ascontiguousarray(directions, dtype=np.float64)
-    flux = np.ascontiguousarray(weights, dtype=np.float64)
+def _contributions(
+    directions: FloatArray, weights: FloatArray
+) -> tuple[tuple[FloatArray, FloatArray, FloatArray], FloatArray]:
+    """Contiguous float64 columns, after a check of the shapes."""
+    unit, flux = np.asarray(directions, dtype=np.float64), np.asarray(weights, dtype=np.float64)
     if unit.ndim != 2 or unit.shape[1] != 3:
         raise ValueError(f"directions must have shape (k, 3), got {unit.shape}")
     if flux.ndim != 2 or len(flux) != len(unit):
         raise ValueError(f"weights must have shape ({len(unit)}, C), got {flux.shape}")
-    return unit, flux
+    x, y, z = (np.ascontiguousarray(column) for column in unit.T)
+    return (x, y, z), np.ascontiguousarray(flux.T)
 
 
 def _counts(offsets: IntArray, total: int) -> IntArray:

@@ -53,6 +53,11 @@ def degree_for(exponent: float, *, eps: float = 0.01) -> int:
     return ceil(sqrt(2 * exponent * log(1 / eps)))
 
 
+def largest_exponent(degree: int, *, eps: float = 0.01) -> float:
+    """Largest exponent that a degree is enough for: the inverse of `degree_for`."""
+    return degree**2 / (2 * log(1 / eps))
+
+
 def reflected(
     mirrored: FloatArray,
     illuminance: FloatArray,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -152,3 +152,19 @@ def _odd_materials(scene: Scene) -> Iterator[Finding]:
 
 def _place(point: FloatArray) -> str:
     return f"({', '.join(f'{coordinate:.3f}' for coordinate in point)}) m"
+
+
+def material_rows(scene: Scene) -> list[dict[str, Any]]:
+    """Material table as files hold it."""
+    return [
+        {
+            "name": row.name,
+            "area_m2": row.area,
+            "reflectance": row.reflectance.tolist(),
+            "specular": row.specular.tolist(),
+            "exponent": row.exponent,
+            "luminance_cd_m2": row.luminance.tolist(),
+            "origin": row.origin,
+        }
+        for row in material_table(scene)
+    ]

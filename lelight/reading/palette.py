@@ -62,12 +62,12 @@ class Palette:
         flux: float | None = None
         for pattern in patterns:
             table = self.overrides[pattern]
-            material = self._coloured(_overridden(material, table), table, pattern)
+            material = self._coloured(overridden(material, table), table, pattern)
             flux = table.flux if table.luminance is None and table.flux is not None else flux
             flux = None if table.luminance is not None else flux
         if flux is not None:
             material = replace(material, luminance=_luminance(flux, area, material.emission_sides))
-        _check(material)
+        check_material(material)
         return material
 
     def warnings(self, names: tuple[str, ...]) -> tuple[str, ...]:
@@ -118,7 +118,8 @@ def _as_written(material: Material, written: MtlMaterial) -> Material:
     return replace(material, **given)
 
 
-def _overridden(material: Material, table: MaterialTable) -> Material:
+def overridden(material: Material, table: MaterialTable) -> Material:
+    """Override what a table gives, but for spectra and flux."""
     diffuse = None if isinstance(table.reflectance, str) else table.reflectance
     colours = {"diffuse": diffuse, "specular": table.specular, "luminance": table.luminance}
     plain = {"exponent": table.exponent, "emission_sides": table.sides}
@@ -133,7 +134,14 @@ def _luminance(flux: float, area: float, sides: str) -> FloatArray:
     return np.full(3, flux / (np.pi * emitting_area))
 
 
-def _check(material: Material) -> None:
+def check_material(material: Material) -> None:
+    """Refuse a material that reflects more than it receives, or is beyond the limits.
+
+    Raises
+    ------
+    SceneError
+        with what was found and what is allowed
+    """
     where = f"material {quoted(material.name)} ({material.origin})"
     if np.max(material.diffuse + material.specular) > 1 + ROUNDING:
         raise SceneError(

@@ -29,7 +29,7 @@ def read_scene_file(path: Path) -> SceneTables:
     try:
         return SceneTables.model_validate(tables)
     except ValidationError as error:
-        raise InputError.at(path, None, _complaint(error)) from None
+        raise InputError.at(path, None, complaint(error)) from None
     except RecursionError:
         raise InputError.at(path, None, "tables are nested too deeply") from None
 
@@ -57,7 +57,7 @@ def _syntax_error(path: Path, text: str, message: str) -> InputError:
     return InputError.at(path, line, f"not TOML: {quoted(what)[1:-1]}")
 
 
-def _complaint(error: ValidationError) -> str:
+def complaint(error: ValidationError) -> str:
     """First of a validation's mistakes as ``key: found ..., allowed ...``."""
     mistake = error.errors(include_url=False)[0]
     context = mistake.get("ctx", {})

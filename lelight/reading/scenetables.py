@@ -22,6 +22,7 @@ from pydantic_core import PydanticCustomError
 from lelight.estimate.variants import Estimator
 from lelight.metrics.en12464_tasks import TASKS
 from lelight.metrics.grid import cell_counts
+from lelight.plan import LARGEST_STORED_EXPONENT
 from lelight.reading.quantities import (
     Band,
     Colour,
@@ -220,6 +221,7 @@ class CalcTable(Table):
     adaptive: bool | None = None
     batches: Annotated[Count, Field(ge=2)] | None = None
     directions: Annotated[int, Field(ge=16, le=2**16)] | None = None
+    relightable: Annotated[float, number(0, LARGEST_STORED_EXPONENT)] | None = None
 
 
 class OutdoorTable(Table):

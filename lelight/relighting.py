@@ -1,0 +1,114 @@
+"""The material of the last bounce, changed after the run.
+
+What nodes reflect is a product of the light that arrives and of their own lobes (`lelight.harmonics.zonal`), so one
+accumulation serves every reflectance and exponent. Only what a surface sends to the eye changes: light that
+surfaces have received from each other, and with it every illuminance, stays that of the materials that were
+computed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lelight.errors import OutputError
+from lelight.estimate.angular import stored_lobe
+from lelight.field import RadianceField
+from lelight.harmonics.indices import terms
+from lelight.harmonics.zonal import largest_exponent, reflected
+from lelight.incident import IncidentLight
+from lelight.plan import BLUNT_EXPONENT, make_plan, stored_degree
+from lelight.reading.inputfile import quoted
+from lelight.scene import IntArray, Scene
+from lelight.tracing.world import World, build_world
+
+
+def changed_materials(before: Scene, after: Scene) -> IntArray:
+    """Materials (k,) that reflect differently in two scenes."""
+    pairs = zip(before.materials, after.materials, strict=True)
+    return np.flatnonzero(
+        [
+            not np.array_equal(a.diffuse, b.diffuse)
+            or not np.array_equal(a.specular, b.specular)
+            or a.exponent != b.exponent
+            or a.reflectance_spectrum is not b.reflectance_spectrum
+            for a, b in pairs
+        ]
+    )
+
+
+def relit(field: RadianceField, scene: Scene) -> RadianceField:
+    """Let surfaces reflect by the materials of another scene, which differs from the field's in them only.
+
+    Raises
+    ------
+    OutputError
+        where the field does not keep what the new materials need
+    """
+    changed = changed_materials(field.scene, scene)
+    if make_plan(scene).channels > field.world.channels:
+        raise OutputError("a coloured material in a grey run; run `lelight calc` with a colour in the scene")
+    world = build_world(scene, field.world.channels)
+    degrees = np.array([stored_degree(material) for material in scene.materials])
+    for material in changed:
+        _require_kept(field, scene, int(material), int(degrees[material]))
+    values = field.values
+    sh_degree = degrees[field.mesh.materials]
+    width = max(terms(int(sh_degree.max(initial=0))), values.radiance_sh.shape[1])
+    radiance = np.zeros((len(field.mesh), width, field.world.channels), dtype=np.float32)
+    radiance[:, : values.radiance_sh.shape[1]] = values.radiance_sh
+    for material in changed:
+        own = np.flatnonzero(field.mesh.materials == material)
+        radiance[own] = 0.0
+        reflection = _reflection(field, world, own, int(material))
+        radiance[own, : reflection.shape[1]] = reflection
+    return replace(
+        field,
+        scene=scene,
+        world=world,
+        values=replace(values, radiance_sh=radiance, sh_degree=sh_degree),
+    )
+
+
+def _reflection(field: RadianceField, world: World, nodes: IntArray, material: int) -> NDArray[np.float64]:
+    """Coefficients (k, T, C) of what nodes of a material reflect."""
+    reflectances = world.reflectances
+    specular, degree = stored_lobe(reflectances, material)
+    light = np.zeros((len(nodes), terms(degree), world.channels))
+    if degree and field.incident is not None:
+        light[:] = field.incident.coefficients[np.searchsorted(field.incident.nodes, nodes), : terms(degree)]
+    return reflected(
+        light,
+        field.values.illuminance[nodes],
+        diffuse=reflectances.diffuse[material],
+        specular=specular,
+        exponent=float(reflectances.exponent[material]),
+    )
+
+
+def _require_kept(field: RadianceField, scene: Scene, material: int, degree: int) -> None:
+    """Refuse lobes for which nodes keep too little."""
+    own = np.flatnonzero(field.mesh.materials == material)
+    kept = _kept_degree(field.incident, own)
+    if degree <= kept or not len(own):
+        return
+    name, exponent = quoted(scene.materials[material].name), scene.materials[material].exponent
+    if kept == 0:
+        kept_so_far = "no angular distribution"
+    else:
+        kept_so_far = (
+            f"degree {kept}, enough for exponents up to {max(BLUNT_EXPONENT, largest_exponent(kept)):.3g}"
+        )
+    raise OutputError(
+        f"{name} was computed with {kept_so_far}; exponent {exponent:g} needs degree {degree}: "
+        f"run `lelight calc` with --relightable {exponent:g}"
+    )
+
+
+def _kept_degree(incident: IncidentLight | None, nodes: IntArray) -> int:
+    """Degree to which all of the nodes (k,) keep arriving light."""
+    if incident is None or not np.isin(nodes, incident.nodes).all() or not len(nodes):
+        return 0
+    return int(incident.degrees[np.searchsorted(incident.nodes, nodes)].min())
