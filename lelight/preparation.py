@@ -189,6 +189,8 @@ def _seen_nodes(site: _Site, surface: SurfaceMesh, lit: BoolArray, name: str) ->
     seen = np.zeros_like(lit)
     seen[mesh.patches[~hidden], np.where(mesh.sides[~hidden] > 0, 0, 1)] = True
     kept = seen[mesh.patches, np.where(mesh.sides > 0, 0, 1)]
+    if kept.all():
+        return Placed(hide(mesh, hidden), seen)
     placed = replace(node_mesh(surface, seen), positions=mesh.positions[kept])
     return Placed(hide(placed, hidden[kept]), seen)
 

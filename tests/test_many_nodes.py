@@ -1,4 +1,4 @@
-"""Where there are very many nodes, the draft and the trials stand on fewer; the result stays what it is."""
+"""Where there are very many nodes or chains, drafts stand on fewer and work is cut up; light stays what it is."""
 
 from __future__ import annotations
 
@@ -27,9 +27,10 @@ def scene(tmp_path_factory):
 
 @pytest.fixture
 def few(monkeypatch):
-    """Pretend that a few hundred nodes were very many."""
+    """Pretend that a few hundred nodes, and a few dozen chains, were very many."""
     monkeypatch.setattr("lelight.preparation.MOST_BASE_NODES", 150)
     monkeypatch.setattr("lelight.estimate.effort.MOST_TRIED", 100)
+    monkeypatch.setattr("lelight.estimate.chainwalk.CHAINS_AT_ONCE", 24)
 
 
 def test_base_is_solved_on_a_coarser_mesh(scene, few):

@@ -25,9 +25,9 @@ from lelight.estimate.batch import (
     Effort,
     blocks_of,
     chain_light,
-    chain_vertices,
     near_light,
 )
+from lelight.estimate.chainwalk import chain_vertices
 from lelight.estimate.direct import direct_light
 from lelight.estimate.replicates import DARK_SHARE
 from lelight.estimate.variants import VARIANTS, Variant
