@@ -20,6 +20,8 @@ Found = TypeVar("Found")
 INTERVAL = 5.0
 #: The same as share of the time that a run has taken, and as multiple of what the last writing took.
 SHARE_OF_RUN, TIMES_LAST_WRITING = 0.02, 4.0
+#: Bytes of what has not been written, beyond which it is written at once.
+MOST_PENDING = 1 << 27
 #: Seconds between two looks at whether to stop.
 ATTENTION = 0.1
 
@@ -39,6 +41,7 @@ class Keeper:
         self._folder = folder
         self._pending: dict[str, Callable[[], Record]] = {}
         self._superseded: list[str] = []
+        self._bytes: dict[str, int] = {}
         self._written = perf_counter()
         self._writing = 0.0
 
@@ -96,6 +99,7 @@ class Keeper:
         """
         if self._folder is not None:
             self._pending = {k: v for k, v in self._pending.items() if not k.startswith(supersedes)}
+            self._bytes = {k: v for k, v in self._bytes.items() if not k.startswith(supersedes)}
             self._pending[name] = state
             self._superseded.append(supersedes)
             self._write_when_due()
@@ -121,7 +125,7 @@ class Keeper:
             raise OutputError(f"{error}{intact}") from error
         for prefix in self._superseded:
             self._folder.drop(prefix)
-        self._pending, self._superseded = {}, []
+        self._pending, self._superseded, self._bytes = {}, [], {}
         self.stop.remark = self._remark(self._folder)
         self._written = perf_counter()
         self._writing = self._written - begun
@@ -134,6 +138,7 @@ class Keeper:
         if self._folder is None:
             return
         record = form.pack(found)
+        self._bytes[key] = sum(array.nbytes for array in record.arrays.values())
         if supersedes is not None:
             self.put(key, lambda: record, supersedes=supersedes)
         else:
@@ -142,7 +147,7 @@ class Keeper:
 
     def _write_when_due(self) -> None:
         interval = max(INTERVAL, SHARE_OF_RUN * self.clock.elapsed, TIMES_LAST_WRITING * self._writing)
-        if perf_counter() - self._written >= interval:
+        if perf_counter() - self._written >= interval or sum(self._bytes.values()) > MOST_PENDING:
             self.flush()
 
     def _has(self, key: str) -> bool:

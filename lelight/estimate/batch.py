@@ -7,6 +7,7 @@ threads: the bits do not change.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
@@ -19,21 +20,20 @@ from lelight.checkpoint.records import form_of
 from lelight.estimate.angular import AngularDetail
 from lelight.estimate.averaged import averaged_estimate
 from lelight.estimate.base import BaseField
-from lelight.estimate.defect import defect_chains
+from lelight.estimate.chainwalk import all_vertices
 from lelight.estimate.direct import direct_light
 from lelight.estimate.local import Arrivals, LocalEstimate, local_estimate
 from lelight.estimate.nearfield import near_field
 from lelight.estimate.variants import VARIANTS, Variant
+from lelight.estimate.workingset import SAMPLES_AT_ONCE, receivers_at_once
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import FloatArray, IntArray
-from lelight.tracing.chains import ChainVertices, emission_chains, no_vertices
+from lelight.tracing.chains import ChainVertices
 from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World
 
 #: Receivers in a block: enough for coherent rays, few enough for memory and for all threads to have work.
 BLOCK = 1024
-#: Samples that a receiver of a block takes at once; bounds memory.
-SAMPLES_AT_ONCE = 512
 #: What tells the random numbers of a batch's parts from each other.
 CHAINS, DIRECT, NEAR, DISC = 1, 2, 3, 4
 
@@ -76,13 +76,12 @@ class Batch:
     seconds: dict[str, float]
 
     def halfway_to(self, other: Batch) -> Batch:
-        """Mean of what two stretches of as many points found."""
-        return replace(
-            self,
-            direct=0.5 * (self.direct + other.direct),
-            indirect=0.5 * (self.indirect + other.indirect),
-            angular=0.5 * (self.angular + other.angular),
-        )
+        """Mean of what two stretches of as many points found; it takes this one's arrays."""
+        for name in ("direct", "indirect", "angular"):
+            mean = getattr(self, name)
+            mean += getattr(other, name)
+            mean *= 0.5
+        return self
 
 
 def estimate_batch(
@@ -98,6 +97,7 @@ def estimate_batch(
     variant: Variant | None = None,
     keep: Keeper | None = None,
     name: str = "batch",
+    room: float = math.inf,
 ) -> Batch:
     """Estimate once, by the first points of a replicate's sequences or by those of one of their doublings.
 
@@ -109,13 +109,13 @@ def estimate_batch(
     base : field on which the estimate stands; without one the chains start at the emitters
     detail : how angular distributions are kept, None where nothing is glossy
     keep, name : remembers what was found under this name, if anything shall
+    room : bytes that a block may take while it is worked on; changes no bit
     """
     started = perf_counter()
     keep = keep or Keeper()
     variant = variant or VARIANTS["base" if base is not None else "emitters"]
-    stretch = Stretch.of(effort.log2_chains, doubling)
-    vertices = keep.awaited(
-        executor.submit(chain_vertices, world, base, stretch, variant, seed=(*seed, CHAINS))
+    vertices = all_vertices(
+        world, base, Stretch.of(effort.log2_chains, doubling), variant, (*seed, CHAINS), executor, keep
     )
     chain_seconds = perf_counter() - started
     blocks = list(blocks_of(receivers.degrees))
@@ -123,7 +123,7 @@ def estimate_batch(
         executor,
         name,
         lambda block: _estimate_block(
-            world, receivers[block], vertices, effort, variant, doubling, seed, base, detail
+            world, receivers[block], vertices, effort, variant, doubling, seed, base, detail, room
         ),
         blocks,
         form_of(Batch),
@@ -133,17 +133,6 @@ def estimate_batch(
     return Batch(
         batch.direct, batch.indirect, batch.angular, len(vertices), batch.rays + len(vertices), batch.seconds
     )
-
-
-def chain_vertices(
-    world: World, base: BaseField | None, chains: Stretch, variant: Variant, *, seed: tuple[int, ...]
-) -> ChainVertices:
-    """Walk the chains of a batch: from the emitters, or from what a base field lacks."""
-    if not variant.chains:
-        return no_vertices(world.channels)
-    if base is None:
-        return emission_chains(world, chains, seed=seed, nodes=variant.nodes)
-    return defect_chains(world, base, chains, seed=seed)
 
 
 def blocks_of(degrees: IntArray) -> Iterator[IntArray]:
@@ -164,8 +153,57 @@ def _estimate_block(
     seed: tuple[int, int],
     base: BaseField | None,
     detail: AngularDetail | None,
+    room: float,
 ) -> Batch:
-    """Let chains, emitters and near surfaces light one block of receivers."""
+    """Estimate at one block of receivers, as many of them at once as there is room for."""
+    log2_more = max(doubling - 1, 0)
+    at_once = receivers_at_once(
+        receivers,
+        room,
+        log2_direct=effort.log2_direct + log2_more,
+        log2_near=effort.log2_near + log2_more,
+        vertices=len(vertices),
+        channels=world.channels,
+        kept=detail.width if detail is not None and receivers.degrees[0] > 0 else 0,
+    )
+    return stacked(
+        [
+            _estimate_piece(world, piece, vertices, effort, variant, doubling, seed, base, detail)
+            for piece in receivers.chunks(at_once)
+        ]
+    )
+
+
+def stacked(parts: list[Batch]) -> Batch:
+    """Put what was found at pieces of a block one after the other."""
+    if len(parts) == 1:
+        return parts[0]
+    seconds: dict[str, float] = {}
+    for part in parts:
+        for stage, spent in part.seconds.items():
+            seconds[stage] = seconds.get(stage, 0.0) + spent
+    return Batch(
+        direct=np.concatenate([part.direct for part in parts]),
+        indirect=np.concatenate([part.indirect for part in parts]),
+        angular=np.concatenate([part.angular for part in parts]),
+        vertices=0,
+        rays=sum(part.rays for part in parts),
+        seconds=seconds,
+    )
+
+
+def _estimate_piece(
+    world: World,
+    receivers: Receivers,
+    vertices: ChainVertices,
+    effort: Effort,
+    variant: Variant,
+    doubling: int,
+    seed: tuple[int, int],
+    base: BaseField | None,
+    detail: AngularDetail | None,
+) -> Batch:
+    """Let chains, emitters and near surfaces light some receivers of one degree."""
     times = [perf_counter()]
     chains = chain_light(
         world, receivers, vertices, variant, bound=effort.bound, seed=(*seed, DISC, doubling)

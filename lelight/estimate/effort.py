@@ -25,13 +25,13 @@ from lelight.estimate.batch import (
     Effort,
     blocks_of,
     chain_light,
-    chain_vertices,
     near_light,
 )
+from lelight.estimate.chainwalk import chain_vertices
 from lelight.estimate.direct import direct_light
 from lelight.estimate.replicates import DARK_SHARE
 from lelight.estimate.variants import VARIANTS, Variant
-from lelight.mesh.neighbours import alike, half_pooled
+from lelight.mesh.neighbours import alike, half_pooled, most_alike
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.sampling import Stretch
@@ -55,6 +55,8 @@ BOUNDS_WITH_SPOTS = (6.4, 51.2)
 BOUND_RECEIVERS = 512
 #: Least samples of the parts in a batch, and most, as powers of two.
 LEAST, MOST = (5, 2, 2), 16
+#: Most receivers on surfaces that are tried; each of the others samples like the nearest that was.
+MOST_TRIED = 1 << 16
 #: Seeds of trials are apart from those of batches.
 TRIAL_SEED = 1 << 20
 
@@ -161,16 +163,28 @@ def _chosen(
     bound = bound_for(trials.world.area, 1024.0)
     if trials.variant.near == "rest":
         bound = _best_bound(trials, receivers, areas)
-    spread = _spread(trials, "all", receivers, bound, areas)
-    smooth = half_pooled(spread.variance, alike(receivers.points, receivers.normals))
+    tried = _to_be_tried(receivers)
+    some = receivers[tried]
+    spread = _spread(trials, "all", some, bound, areas[tried])
+    smooth = half_pooled(spread.variance, alike(some.points, some.normals))
     direct, near = _doublings(smooth[1]), _doublings(smooth[2])
-    variance, cost = spread.shared_out(direct, near, areas)
+    variance, cost = spread.shared_out(direct, near, areas[tried])
     samples = _samples(variance, cost, target)
     samples *= min(1.0, batches * most_rays / (len(receivers) * float(samples @ cost)))
     log2 = [round(float(np.log2(max(1.0, count / batches)))) for count in samples]
     log2 = [min(max(least, each), MOST) for each, least in zip(log2, LEAST, strict=True)]
     effort = Effort(log2_chains=log2[0], log2_direct=log2[1], log2_near=log2[2], bound=bound)
+    if len(tried) < len(receivers):
+        own = most_alike(receivers.points, receivers.normals, tried)
+        direct, near = direct[own], near[own]
     return _Chosen(effort, direct, near)
+
+
+def _to_be_tried(receivers: Receivers) -> IntArray:
+    """Choose the receivers (k,) that a trial asks: all in space, on surfaces evenly as many as are enough."""
+    on_surface = np.flatnonzero(receivers.on_surface)
+    some = on_surface[:: -(-len(on_surface) // MOST_TRIED)] if len(on_surface) else on_surface
+    return np.sort(np.concatenate([some, np.flatnonzero(~receivers.on_surface)]))
 
 
 def _best_bound(trials: _Trials, receivers: Receivers, areas: FloatArray) -> float:

@@ -116,7 +116,7 @@ class Replicates:
         self.indirect += mean.indirect
         self.angular += mean.angular
         self.illuminance.append(self._seen(mean))
-        self.in_space.append(self._moments_in_space(mean.direct + mean.indirect))
+        self.in_space.append(self._moments_in_space(mean.direct, mean.indirect))
         self.indirect_in_space.append(self._moments_in_space(mean.indirect))
         if is_spectral(mean.direct.shape[-1]):
             self.bands_in_space.append(self._bands_in_space(mean))
@@ -127,7 +127,7 @@ class Replicates:
         self.indirect += batch.indirect
         self.angular += batch.angular
         self.illuminance[k] = 0.5 * (self.illuminance[k] + self._seen(batch))
-        total = self._moments_in_space(batch.direct + batch.indirect)
+        total = self._moments_in_space(batch.direct, batch.indirect)
         self.in_space[k] = 0.5 * (self.in_space[k] + total)
         indirect = self._moments_in_space(batch.indirect)
         self.indirect_in_space[k] = 0.5 * (self.indirect_in_space[k] + indirect)
@@ -165,11 +165,13 @@ class Replicates:
     def _seen(self, batch: Batch) -> FloatArray:
         return luminance_weighted(batch.direct[:, ILLUMINANCE] + batch.indirect[:, ILLUMINANCE])
 
-    def _moments_in_space(self, moments: FloatArray) -> FloatArray:
-        return luminance_weighted(moments[self.first_in_space :])
+    def _moments_in_space(self, *parts: FloatArray) -> FloatArray:
+        """Moments (k, 6) in space of what the parts add up to."""
+        return luminance_weighted(np.sum([part[self.first_in_space :] for part in parts], axis=0))
 
     def _bands_in_space(self, batch: Batch) -> FloatArray:
-        return np.asarray((batch.direct + batch.indirect)[self.first_in_space :, ILLUMINANCE])
+        own = slice(self.first_in_space, None)
+        return np.asarray(batch.direct[own, ILLUMINANCE] + batch.indirect[own, ILLUMINANCE])
 
     def _count(self, batch: Batch) -> None:
         """Count what a batch took."""

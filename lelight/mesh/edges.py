@@ -20,7 +20,9 @@ def edge_keys(start: IntArray, end: IntArray) -> IntArray:
 
 def on_border(triangles: IntArray) -> BoolArray:
     """Edges (3 n,) bool that belong to one triangle only."""
-    _, where, count = np.unique(
-        edge_keys(*directed_edges(triangles)), return_inverse=True, return_counts=True
-    )
-    return np.asarray(count[where] == 1)
+    keys = edge_keys(*directed_edges(triangles))
+    order = np.argsort(keys)
+    another = np.diff(keys[order]) != 0
+    single = np.empty(len(keys), dtype=np.bool_)
+    single[order] = np.append(True, another) & np.append(another, True) if len(keys) else True
+    return single

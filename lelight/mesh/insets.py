@@ -36,17 +36,22 @@ def inset_positions(vertices: FloatArray, triangles: IntArray, *, inset: float) 
     -------
     (n, 3) float, m; on the triangles around each vertex
     """
+    single = on_border(triangles)
+    border = np.zeros(len(vertices), dtype=np.bool_)
+    border[triangles.ravel()[_border_corners(single)]] = True
+    # What is inside the patches, which is nearly all of a fine mesh, stays where it is.
+    along = border[triangles].any(axis=1)
+    triangles, single = triangles[along], single.reshape(-1, 3)[along].ravel()
     distance = inset * _local_edges(vertices, triangles)
     ahead, back = _corner_edges(vertices, triangles)
     vertex = triangles.ravel()
     steps, leads_in = _steps_inside(
-        (_inward_ways(vertices, triangles) * distance[:, None])[vertex], ahead, back
+        (_inward_ways(vertices, triangles, single) * distance[:, None])[vertex], ahead, back
     )
     chosen = _best_corners(vertex, leads_in, np.linalg.norm(np.cross(ahead, back), axis=1))
     centroids = _shortened((ahead[chosen] + back[chosen]) / 3, distance[vertex[chosen]])
     chosen_steps = np.where(leads_in[chosen, None], steps[chosen], centroids)
-    border = np.unique(vertex[_border_corners(triangles)])
-    moved = np.isin(vertex[chosen], border)
+    moved = border[vertex[chosen]]
     positions = vertices.copy()
     positions[vertex[chosen[moved]]] += chosen_steps[moved]
     return positions
@@ -59,9 +64,9 @@ def _corner_edges(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray
     return ahead.reshape(-1, 3), back.reshape(-1, 3)
 
 
-def _border_corners(triangles: IntArray) -> IntArray:
-    """Corners at either end of a border edge, as indices into the raveled triangles."""
-    leaving = np.flatnonzero(on_border(triangles))
+def _border_corners(single: BoolArray) -> IntArray:
+    """Corners at either end of a border edge (3 m,), as indices into the raveled triangles."""
+    leaving = np.flatnonzero(single)
     return np.concatenate([leaving, leaving - leaving % 3 + (leaving + 1) % 3])
 
 
@@ -73,11 +78,11 @@ def _local_edges(vertices: FloatArray, triangles: IntArray) -> FloatArray:
     return np.asarray(total / np.maximum(np.bincount(vertex, minlength=len(vertices)), 1))
 
 
-def _inward_ways(vertices: FloatArray, triangles: IntArray) -> FloatArray:
-    """Ways (n, 3) of the vertices if the border moved inwards by 1 (its mitre); zero inside and in slits."""
-    single = np.flatnonzero(on_border(triangles))
-    start, end = (points[single] for points in directed_edges(triangles))
-    normals = triangle_normals(vertices[triangles])[single // 3]
+def _inward_ways(vertices: FloatArray, triangles: IntArray, single: BoolArray) -> FloatArray:
+    """Ways (n, 3) of the vertices if the border, edges (3 m,), moved inwards by 1 (its mitre); zero elsewhere."""
+    leaving = np.flatnonzero(single)
+    start, end = (points[leaving] for points in directed_edges(triangles))
+    normals = triangle_normals(vertices[triangles])[leaving // 3]
     along = vertices[end] - vertices[start]
     sides = np.cross(normals, along / np.linalg.norm(along, axis=1, keepdims=True))
     inward = np.zeros_like(vertices)

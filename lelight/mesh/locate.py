@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -64,12 +66,24 @@ class Locator:
         """Nearest visible node (k,) of the group of each point and its weight (k,): 1, or 0 without one."""
         if len(self._visible) == 0:
             return np.zeros(len(points), dtype=np.int64), np.zeros(len(points))
-        own = patch_sides(self._mesh.patches, self._mesh.sides)[self._visible]
-        near = self._mesh.positions[self._visible]
-        apart = 2.0 * float(np.linalg.norm(np.ptp(np.concatenate([near, points]), axis=0))) + 1.0
-        tree = cKDTree(np.column_stack([near, own * apart]))
-        _, index = tree.query(np.column_stack([points, groups * apart]))
-        return self._visible[index], (own[index] == groups).astype(np.float64)
+        # A point's own patch is in the mesh: nodes of its group, if any is visible, are nearer than others.
+        _, index = self._tree.query(np.column_stack([points, groups * self._apart]))
+        return self._visible[index], (self._groups[index] == groups).astype(np.float64)
+
+    @cached_property
+    def _groups(self) -> IntArray:
+        """Patch and side (v,) of each visible node."""
+        return patch_sides(self._mesh.patches, self._mesh.sides)[self._visible]
+
+    @cached_property
+    def _apart(self) -> float:
+        """Distance in m that sets groups apart in the tree, more than any within one."""
+        return 2.0 * float(np.linalg.norm(np.ptp(self._mesh.vertices, axis=0))) + 1.0
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        """Visible nodes, each group on a plane of its own."""
+        return cKDTree(np.column_stack([self._mesh.positions[self._visible], self._groups * self._apart]))
 
 
 def patch_sides(patches: IntArray, sides: IntArray) -> IntArray:

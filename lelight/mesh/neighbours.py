@@ -9,6 +9,14 @@ from lelight.scene import BoolArray, FloatArray, IntArray
 
 #: How many places, itself among them, stand for what is around one.
 NEIGHBOURS = 7
+#: Places asked at once; bounds memory.
+PIECE = 1 << 16
+
+
+def most_alike(points: FloatArray, normals: FloatArray, among: IntArray) -> IntArray:
+    """Find for each place the nearest of some that faces the same way: (r,), index into ``among`` (k,)."""
+    extent = float(np.linalg.norm(np.ptp(points, axis=0)))
+    return _nearest(points[among], normals[among], points, normals, extent, 1)[:, 0]
 
 
 def alike(points: FloatArray, normals: FloatArray, *, left_out: BoolArray | None = None) -> IntArray:
@@ -23,8 +31,26 @@ def alike(points: FloatArray, normals: FloatArray, *, left_out: BoolArray | None
     kept = np.arange(len(points)) if left_out is None else np.flatnonzero(~left_out)
     if len(kept) >= NEIGHBOURS:
         extent = float(np.linalg.norm(np.ptp(points[kept], axis=0)))
-        tree = cKDTree(np.concatenate([points[kept], extent * normals[kept]], axis=1))
-        nearest[kept] = kept[tree.query(tree.data, k=NEIGHBOURS)[1]]
+        own = points[kept], normals[kept]
+        nearest[kept] = kept[_nearest(*own, *own, extent, NEIGHBOURS)]
+    return nearest
+
+
+def _nearest(
+    points: FloatArray,
+    normals: FloatArray,
+    asked: FloatArray,
+    asked_normals: FloatArray,
+    extent: float,
+    count: int,
+) -> IntArray:
+    """Find the places nearest to those asked for (k, count); other normals are as far as the extent, in m."""
+    tree = cKDTree(np.concatenate([points, extent * normals], axis=1))
+    nearest = np.empty((len(asked), count), dtype=np.int64)
+    for first in range(0, len(asked), PIECE):
+        piece = slice(first, first + PIECE)
+        places = np.concatenate([asked[piece], extent * asked_normals[piece]], axis=1)
+        nearest[piece] = tree.query(places, k=np.arange(1, count + 1))[1]
     return nearest
 
 

@@ -219,9 +219,10 @@ def _vector_areas(corners: FloatArray) -> FloatArray:
 
 def _surface(torn: TornMesh, whole: Piece, patch_materials: IntArray) -> SurfaceMesh:
     """Add normals: the plane's on flat patches, the mean of the triangles around on curved ones."""
-    flat = torn.flat[whole.vertex_patches]
-    plane_normals = torn.plane_normals[whole.vertex_patches]
-    normals = np.where(flat[:, None], plane_normals, vertex_normals(whole.vertices, whole.triangles))
+    normals = torn.plane_normals[whole.vertex_patches]
+    curved = ~torn.flat[whole.vertex_patches]
+    bent = whole.triangles[~torn.flat[whole.triangle_patches]]
+    normals[curved] = vertex_normals(whole.vertices, bent)[curved]
     return SurfaceMesh(
         vertices=whole.vertices,
         triangles=whole.triangles,
