@@ -87,9 +87,10 @@ def sees_images(
     points, normals, outgoing : (k, 3) float; the normal and the direction on the side that is seen
     """
     emitters = world.emitters
-    radii = np.concatenate([emitters.sketch[: len(emitters.areas), 6], emitters.sizes])
+    middles = np.concatenate([emitters.sketch[:3].T, emitters.positions])
+    radii = np.concatenate([emitters.sketch[6], emitters.sizes])
     seen = np.zeros(len(points), dtype=np.bool_)
-    _find_images(emitters, world.reflectances, radii, points, normals, outgoing, materials, seen)
+    _find_images(emitters, world.reflectances, middles, radii, points, normals, outgoing, materials, seen)
     return seen
 
 
@@ -97,6 +98,7 @@ def sees_images(
 def _find_images(
     emitters: Emitters,
     reflectances: Reflectances,
+    middles: FloatArray,
     radii: FloatArray,
     points: FloatArray,
     normals: FloatArray,
@@ -105,24 +107,21 @@ def _find_images(
     seen: BoolArray,
 ) -> None:
     triangles = len(emitters.areas)
-    sketch, both_sides = emitters.sketch, emitters.both_sides
     widest = np.arccos(FAINT ** (1.0 / np.maximum(reflectances.exponent, 1e-9)))
     for k in range(len(points)):
         nx, ny, nz = normals[k]
         ax, ay, az = mirrored(outgoing[k, 0], outgoing[k, 1], outgoing[k, 2], nx, ny, nz)
         limit = widest[materials[k]]
         for source in range(len(radii)):
-            dx, dy, dz = (
-                sketch[source, 0] - points[k, 0],
-                sketch[source, 1] - points[k, 1],
-                sketch[source, 2] - points[k, 2],
-            )
+            dx = middles[source, 0] - points[k, 0]
+            dy = middles[source, 1] - points[k, 1]
+            dz = middles[source, 2] - points[k, 2]
             radius = radii[source]
             if dx * nx + dy * ny + dz * nz + radius <= 0.0:
                 continue
-            if source < triangles and not both_sides[source]:
-                facing = dx * sketch[source, 3] + dy * sketch[source, 4] + dz * sketch[source, 5]
-                if facing >= 0.0:
+            if source < triangles and not emitters.both_sides[source]:
+                ahead_x, ahead_y, ahead_z = emitters.normals[source]
+                if dx * ahead_x + dy * ahead_y + dz * ahead_z >= 0.0:
                     continue
             distance = math.sqrt(dx * dx + dy * dy + dz * dz)
             if distance <= radius:

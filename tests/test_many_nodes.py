@@ -30,7 +30,7 @@ def few(monkeypatch):
     """Pretend that a few hundred nodes, and a few dozen chains, were very many."""
     monkeypatch.setattr("lelight.preparation.MOST_BASE_NODES", 150)
     monkeypatch.setattr("lelight.estimate.effort.MOST_TRIED", 100)
-    monkeypatch.setattr("lelight.estimate.chainwalk.CHAINS_AT_ONCE", 24)
+    monkeypatch.setattr("lelight.estimate.chainwalk.CHAINS_AT_ONCE", 16)
 
 
 def test_base_is_solved_on_a_coarser_mesh(scene, few):

@@ -12,7 +12,7 @@ from lelight.tracing.chains import ChainVertices, emission_chains, joined, no_ve
 from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World
 
-#: Chains walked at once; bounds memory, and is part of what their numbers depend on.
+#: Chains walked at once, a power of two; bounds memory, and is part of what their numbers depend on.
 CHAINS_AT_ONCE = 4096
 
 
@@ -45,5 +45,5 @@ def chain_vertices(
     if not variant.chains:
         return no_vertices(world.channels)
     if base is None:
-        return emission_chains(world, chains, seed=seed)
+        return emission_chains(world, chains, seed=seed, nodes=variant.nodes)
     return defect_chains(world, base, chains, seed=seed)
