@@ -35,7 +35,7 @@ BLOCK = 1024
 #: Samples that a receiver of a block takes at once; bounds memory.
 SAMPLES_AT_ONCE = 512
 #: What tells the random numbers of a batch's parts from each other.
-CHAINS, DIRECT, NEAR, DISC = 1, 2, 3, 4
+CHAINS, DIRECT, NEAR, DISC, LOBES = 1, 2, 3, 4, 5
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,7 @@ def _estimate_block(
     near = _near(world, receivers, effort, variant, doubling, (*seed, NEAR), base)
     times.append(perf_counter())
     if detail is not None and receivers.degrees[0] > 0:
-        angular = detail.collect(receivers, chains.arrivals + near.arrivals)
+        angular = detail.collect(receivers, chains.arrivals + near.arrivals, seed=(*seed, LOBES, doubling))
     else:
         angular = np.zeros((0, 0, world.channels))
     times.append(perf_counter())
