@@ -73,7 +73,9 @@ _RUN_OPTIONS = [
     ),
     click.option("--time", type=seconds, metavar="TIME", help="Stop at this budget, e.g. 60s."),
     click.option("--preset", type=click.Choice(["draft", "normal", "fine"]), help="Default: normal."),
-    click.option("--method", type=click.Choice(["sh", "grid"]), help="Angular detail of glossy nodes."),
+    click.option(
+        "--method", type=click.Choice(["sh", "grid", "sampled"]), help="Angular detail of glossy nodes."
+    ),
     click.option("--edge", type=edge_length, metavar="LENGTH", help="Edge of the node mesh, m."),
     click.option(
         "--adaptive", is_flag=True, default=None, help="Refine the mesh at edges of shadows and in spots."

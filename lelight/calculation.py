@@ -149,7 +149,12 @@ def _estimate(
     keep: Keeper,
 ) -> Calculation:
     """Add replicates and double their sequences until the target, the time or their number is reached."""
-    detail = angular_detail(stage.plan, stage.world.reflectances, directions=settings.directions)
+    detail = angular_detail(
+        stage.plan,
+        stage.world.reflectances,
+        directions=settings.directions,
+        extension=settings.extension,
+    )
     base = stage.base
     if like is None:
         effort, receivers = _effort(settings, stage, executor, keep)

@@ -14,7 +14,7 @@ from lelight.plan import stored_degree
 from lelight.preparation import Stage
 from lelight.receivers import CYLINDRICAL, ILLUMINANCE, SCALAR, VECTOR
 from lelight.results import NodeValues, ObserverValues, PlaneValues
-from lelight.scene import FloatArray, Scene
+from lelight.scene import FloatArray, IntArray, Scene
 
 
 def found_field(
@@ -36,11 +36,34 @@ def found_field(
         direct=np.maximum(direct[:, ILLUMINANCE], 0.0),
         scalar_illuminance=total[:, SCALAR],
         light_vector=total[:, VECTOR : VECTOR + 3],
-        sh_degree=np.array([stored_degree(material) for material in scene.materials])[stage.mesh.materials],
+        sh_degree=_stored_degrees(scene, stage, detail),
         radiance_sh=_radiance(stage, replicates, detail, total[:, ILLUMINANCE]),
+        truncation=_truncation(stage, replicates, detail),
     )
     incident = _incident(stage, replicates) if isinstance(detail, HarmonicDetail) else None
     return RadianceField(scene, stage.mesh, values, stage.labels, stage.world, incident)
+
+
+def _stored_degrees(scene: Scene, stage: Stage, detail: AngularDetail | None) -> IntArray:
+    """Degree (n,) of the coefficients of each node."""
+    of_materials = np.array([stored_degree(material) for material in scene.materials], dtype=np.int64)
+    degrees: IntArray = of_materials[stage.mesh.materials]
+    return degrees if detail is None else detail.stored_degrees(degrees)
+
+
+def _truncation(stage: Stage, replicates: Replicates, detail: AngularDetail | None) -> FloatArray | None:
+    """State what the finite degree leaves out at each node, where anything is glossy."""
+    if detail is None:
+        return None
+    glossy = np.flatnonzero(stage.receivers.degrees > 0)
+    errors = np.zeros(len(stage.mesh))
+    errors[glossy] = detail.truncation(
+        replicates.angular / replicates.count,
+        receivers=stage.receivers[glossy],
+        reflectances=stage.world.reflectances,
+    )
+    errors[stage.mesh.hidden] = 0.0
+    return errors
 
 
 def _incident(stage: Stage, replicates: Replicates) -> IncidentLight:

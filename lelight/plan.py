@@ -8,12 +8,12 @@ from typing import Literal
 import numpy as np
 
 from lelight.errors import SceneError
-from lelight.harmonics.zonal import degree_for
+from lelight.harmonics.zonal import beam_error, degree_for
 from lelight.luminaires import PhotometricLuminaire
 from lelight.scene import IntArray, Material, Scene
 from lelight.spectral.bands import BANDS, is_spectral_scene
 
-Method = Literal["sh", "grid"]
+Method = Literal["sh", "grid", "sampled"]
 
 #: Lobes sharper than this are not stored at nodes; the view ray is reflected when a picture is made.
 LARGEST_STORED_EXPONENT = 256.0
@@ -127,7 +127,8 @@ def _lobe_decision(material: Material, degree: int, method: Method) -> Decision:
     if degree == 0:
         reason = f"exponent {material.exponent:g} is above {LARGEST_STORED_EXPONENT:g}"
         return Decision(name, "view rays are reflected when a direction is evaluated", reason)
-    reason = f"exponent {material.exponent:g}: sqrt(2 n ln 100) for 1 % of the lobe's peak"
+    share = beam_error(material.exponent, degree)
+    reason = f"exponent {material.exponent:g}: one beam is right to {share:.2%} of its peak"
     return Decision(name, f"harmonics of degree {degree} by method {method}", reason)
 
 

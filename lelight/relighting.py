@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lelight.errors import OutputError
-from lelight.estimate.angular import stored_lobe
+from lelight.estimate.angularharmonics import harmonic_truncation
+from lelight.estimate.lobes import stored_lobe
 from lelight.field import RadianceField
 from lelight.harmonics.indices import terms
 from lelight.harmonics.zonal import largest_exponent, reflected
@@ -68,8 +69,28 @@ def relit(field: RadianceField, scene: Scene) -> RadianceField:
         field,
         scene=scene,
         world=world,
-        values=replace(values, radiance_sh=radiance, sh_degree=sh_degree),
+        values=replace(
+            values,
+            radiance_sh=radiance,
+            sh_degree=sh_degree,
+            truncation=_truncation(field, world, changed),
+        ),
     )
+
+
+def _truncation(field: RadianceField, world: World, changed: IntArray) -> NDArray[np.float64]:
+    """State anew what the degrees of the changed materials leave out (n,)."""
+    errors = field.values.truncation
+    errors = np.zeros(len(field.mesh)) if errors is None else errors.copy()
+    own = np.isin(field.mesh.materials, changed)
+    errors[own] = 0.0
+    incident = field.incident
+    if incident is not None and len(incident.nodes):
+        kept = np.flatnonzero(own[incident.nodes])
+        nodes = incident.nodes[kept]
+        coefficients = incident.coefficients[kept].astype(np.float64)
+        errors[nodes] = harmonic_truncation(coefficients, field.mesh.materials[nodes], world.reflectances)
+    return errors
 
 
 def _reflection(field: RadianceField, world: World, nodes: IntArray, material: int) -> NDArray[np.float64]:

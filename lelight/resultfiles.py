@@ -191,6 +191,7 @@ RUN = table(
         "interpolation": or_null(table(others=number)),
         "materials": items(MATERIAL),
         "luminaires": items(LAMP),
+        "angular": table(others=nested),
         "relit": table(others=table(others=nested)),
         "relit_of": text,
         "files": table(others=text),

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Literal
 
 from lelight.estimate.variants import Estimator
+from lelight.harmonics.hemigrid import Extension
 from lelight.plan import Method
 
 Preset = Literal["draft", "normal", "fine"]
@@ -48,6 +49,7 @@ class Settings:
     method : how glossy nodes keep angular detail
     edge : float or None; edge length of the node mesh in m, None for the scene's size and the preset
     directions : int or None; directions of the hemisphere grid, only for method ``grid``
+    extension : how the fit to that grid goes on below the horizon
     relightable : float or None; exponent up to which all nodes keep what `lelight.relighting` needs
     seed : int, of every random number
     threads : int
@@ -64,6 +66,7 @@ class Settings:
     method: Method = "sh"
     edge: float | None = None
     directions: int | None = None
+    extension: Extension = "least_squares"
     relightable: float | None = None
     seed: int = 0
     threads: int = 0

@@ -14,7 +14,7 @@ from lelight.writing.replicatesfile import read_replicates
 
 #: Settings that two runs share where their random numbers are to be the same.
 SHARED_SETTINGS = frozenset(
-    {"preset", "method", "edge", "directions", "relightable", "seed", "adaptive", "estimator"}
+    {"preset", "method", "edge", "directions", "extension", "relightable", "seed", "adaptive", "estimator"}
 )
 
 

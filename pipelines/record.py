@@ -12,10 +12,12 @@ from lelight.calculation import Calculation
 from lelight.checkpoint.identity import Identity, fingerprint
 from lelight.course import Standing
 from lelight.estimate.variants import VARIANTS
+from lelight.harmonics.zonal import beam_error
 from lelight.luminaires import Luminaire
 from lelight.photometry.zones import luminous_flux
+from lelight.pipelines.angular import angular_record
 from lelight.pipelines.datasheets import data_sheets
-from lelight.plan import LARGEST_STORED_EXPONENT
+from lelight.plan import LARGEST_STORED_EXPONENT, stored_degree
 from lelight.reading.lint import material_rows
 from lelight.scene import PointLuminaire
 from lelight.versions import package_versions
@@ -63,6 +65,7 @@ def run_record(
         "unit": run.scene.unit,
         "up": run.scene.up,
         "materials": material_rows(run.scene),
+        "angular": angular_record(run),
         "luminaires": [_luminaire(lamp) for lamp in run.scene.luminaires],
         "data_sheets": data_sheets(run.scene.luminaires),
         "files": run.scene.files,
@@ -141,10 +144,11 @@ def bias_statements(run: Calculation) -> list[str]:
     if bias := VARIANTS[run.settings.estimator].bias:
         statements.append(bias)
     for material, degree in zip(run.scene.materials, run.plan.degrees, strict=True):
-        if degree:
+        if degree and stored_degree(material):
+            share = beam_error(material.exponent, stored_degree(material))
             statements.append(
-                f"Harmonics: gloss of {material.name} is stored to degree {degree}, "
-                "about 1 % of the peak of its lobe."
+                f"Harmonics: gloss of {material.name} is stored to degree {stored_degree(material)}, "
+                f"{share:.2%} of the peak of its lobe for light from one direction."
             )
     if any(not isinstance(lamp, PointLuminaire) for lamp in run.scene.luminaires):
         statements.append(

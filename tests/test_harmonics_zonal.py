@@ -9,7 +9,7 @@ import pytest
 from lelight.harmonics.basis import evaluate
 from lelight.harmonics.frames import mirrored
 from lelight.harmonics.projection import project
-from lelight.harmonics.zonal import degree_for, lobe_coefficients, reflected
+from lelight.harmonics.zonal import beam_error, degree_for, largest_exponent, lobe_coefficients, reflected
 
 
 def exact_lobe_coefficient(exponent, ell):
@@ -136,3 +136,28 @@ def test_rejects_what_has_no_lobe():
         degree_for(-0.5)
     with pytest.raises(ValueError, match="eps must lie between 0 and 1"):
         degree_for(16, eps=1.0)
+
+
+@pytest.mark.parametrize(("exponent", "degree"), [(4.0, 13), (16.0, 13), (64.0, 25), (256.0, 49)])
+def test_stored_beams_have_no_dark_lobes(exponent, degree):
+    """The worst that can be stored, light from one direction: never below -1e-3 of its peak, at any elevation."""
+    views = np.concatenate([view_directions(), view_directions() * [1.0, 1.0, -1.0]])
+    peak = (exponent + 2) / (2 * np.pi)
+    for elevation in (0, 1, 10, 45, 80, 89):
+        radiance = reflected(
+            project(degree, mirrored(beams([elevation])), np.ones((1, 1))),
+            np.zeros(1),
+            diffuse=np.zeros(1),
+            specular=np.ones(1),
+            exponent=exponent,
+        )
+        assert (evaluate(degree, views) @ radiance[:, 0]).min() >= -1e-3 * peak
+
+
+def test_stated_beam_error_is_that_of_the_sum_of_harmonics():
+    for exponent, degree in ((1.0, 13), (16.0, 13), (256.0, 49)):
+        found = max(largest_error(exponent, degree, elevation) for elevation in (10, 45, 80, 89))
+        assert beam_error(exponent, degree) == pytest.approx(found, rel=0.03)
+    # n = 1 has a kink: below 1e-3 of the peak from degree 317 on only, beyond anything stored.
+    assert beam_error(1.0, 316) > 1e-3 > beam_error(1.0, 320)
+    assert degree_for(largest_exponent(30)) == 30

@@ -51,6 +51,7 @@ estimator = "emitters"
 batches = 16
 directions = 64
 relightable = 100
+extension = "even"
 """
 
 LUMINAIRE = '[[luminaires]]\nname = "L"\nposition = [0, 0, 0]\n'
@@ -97,6 +98,7 @@ def test_every_key_arrives(tmp_path: Path) -> None:
         "batches": 16,
         "directions": 64,
         "relightable": 100.0,
+        "extension": "even",
     }
 
 

@@ -35,7 +35,7 @@ from lelight.tracing.world import World
 #: Receivers in a block: enough for coherent rays, few enough for memory and for all threads to have work.
 BLOCK = 1024
 #: What tells the random numbers of a batch's parts from each other.
-CHAINS, DIRECT, NEAR, DISC = 1, 2, 3, 4
+CHAINS, DIRECT, NEAR, DISC, LOBES = 1, 2, 3, 4, 5
 
 
 @dataclass(frozen=True)
@@ -214,7 +214,7 @@ def _estimate_piece(
     near = _near(world, receivers, effort, variant, doubling, (*seed, NEAR), base)
     times.append(perf_counter())
     if detail is not None and receivers.degrees[0] > 0:
-        angular = detail.collect(receivers, chains.arrivals + near.arrivals)
+        angular = detail.collect(receivers, chains.arrivals + near.arrivals, seed=(*seed, LOBES, doubling))
     else:
         angular = np.zeros((0, 0, world.channels))
     times.append(perf_counter())

@@ -16,7 +16,7 @@ from lelight.harmonics.basis import AHEAD, BEHIND, SECTORAL
 from lelight.scene import FloatArray, IntArray
 
 #: Contributions in step: as many as the first cache holds with all that is kept of each.
-BLOCK = 128
+BLOCK = 512
 
 
 def _unscaled() -> tuple[FloatArray, FloatArray]:
@@ -61,11 +61,12 @@ def deposit(
     for g in chosen:
         for first in range(offsets[g], offsets[g + 1], BLOCK):
             last = min(first + BLOCK, offsets[g + 1])
-            cosine[:], sine[:] = 1.0, 0.0
+            count = last - first
+            cosine[:count], sine[:count] = 1.0, 0.0
             for m in range(degree + 1):
                 for c in range(channels):
                     _times(weights[c][first:last], cosine, sine, of_cosine[c], of_sine[c])
-                behind[:], here[:] = 0.0, 1.0
+                behind[:count], here[:count] = 0.0, 1.0
                 _climb(degree, m, z[first:last], behind, here, of_cosine, of_sine, out[g])
                 _turn(x[first:last], y[first:last], cosine, sine)
 

@@ -23,7 +23,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from lelight.harmonics.basis import evaluate, index, terms
+from lelight.harmonics.basis import degree_of, evaluate, index, terms
 from lelight.scene import FloatArray
 
 Rule = Literal["gauss", "legendre"]
@@ -117,6 +117,14 @@ class HemisphereGrid:
             )  # first: at m = 0 the rows are the same
             coefficients[..., cosine_rows, :] = operator @ profile.real
         return coefficients
+
+    def evaluate(self, coefficients: FloatArray) -> FloatArray:
+        """Values (..., Z, A, C) of expansions (..., T, C) in the directions of the grid."""
+        degree = degree_of(coefficients.shape[-2])
+        basis = evaluate(degree, self.directions.reshape(-1, 3))
+        values = np.einsum("dt,...tc->...dc", basis, coefficients)
+        shape = (*coefficients.shape[:-2], self.zenith_count, self.azimuth_count, coefficients.shape[-1])
+        return np.asarray(values.reshape(shape))
 
     def _check_fit(self, shape: tuple[int, ...], degree: int, extension: str) -> None:
         if shape[-3:-1] != (self.zenith_count, self.azimuth_count):

@@ -20,18 +20,18 @@ from lelight.scene import FloatArray, IntArray
 # Times in ns on one thread of a shared two-core x86-64 machine (numba 0.68, ducc0 0.42), 1 and 3 channels, 430
 # contributions a call:
 #   degree                                 6      11      24      48      59
-#   loop, a contribution, 1               10      22      73     254     375
-#   loop, a contribution, 3               25      55     185     680     990
+#   loop, a contribution, 1                8      18      61     210     310
+#   loop, a contribution, 3               21      49     165     600     890
 #   transform, a call, 1              49 000  53 000  70 000 122 000 150 000
 #   transform, a call, 3             126 000 137 000 185 000 340 000 400 000
 #   transform, a contribution, 1          51      56      62      73      76
 #   transform, a contribution, 3         115     130     142     156     160
-#   break-even by these rows, 1        never   never    6400     670     500
-#   break-even by these rows, 3        never   never    4300     650     480
+#   break-even by these rows, 1        never   never   never     890     640
+#   break-even by these rows, 3        never   never    8000     770     550
 # The constants are lines through these figures.
 LOOP_NS_PER_CONTRIBUTION = 7.0
-LOOP_NS_PER_TERM = 0.02
-LOOP_NS_PER_TERM_AND_CHANNEL = 0.085
+LOOP_NS_PER_TERM = 0.008
+LOOP_NS_PER_TERM_AND_CHANNEL = 0.08
 TRANSFORM_NS_PER_CALL_AND_CHANNEL = 30_000.0
 TRANSFORM_NS_PER_CALL_AND_CHANNEL_AND_DEGREE = 1_800.0
 TRANSFORM_NS_PER_CONTRIBUTION = 15.0

@@ -10,6 +10,7 @@ from __future__ import annotations
 from math import ceil, log, sqrt
 
 import numpy as np
+from numpy.polynomial.legendre import legval
 
 from lelight.harmonics.indices import degree_of, degrees
 from lelight.scene import FloatArray
@@ -56,6 +57,18 @@ def degree_for(exponent: float, *, eps: float = 0.01) -> int:
 def largest_exponent(degree: int, *, eps: float = 0.01) -> float:
     """Largest exponent that a degree is enough for: the inverse of `degree_for`."""
     return degree**2 / (2 * log(1 / eps))
+
+
+def beam_error(exponent: float, degree: int) -> float:
+    """Largest error of one reflected beam stored to a degree, as share of the peak of its lobe.
+
+    The series sum_l (2l + 1) / (2n + 2) A_l P_l(cos alpha) is held against cos^n alpha at steps of 0.1 degree.
+    """
+    cosine = np.cos(np.radians(np.linspace(0.0, 180.0, 1801)))
+    orders = 2.0 * np.arange(degree + 1) + 1.0
+    series = legval(cosine, orders * lobe_coefficients(exponent, degree) / (2.0 * exponent + 2.0))
+    lobe = np.where(cosine > 0.0, np.maximum(cosine, 0.0) ** exponent, 0.0)
+    return float(np.abs(series - lobe).max())
 
 
 def reflected(

@@ -20,9 +20,10 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from lelight.estimate.variants import Estimator
+from lelight.harmonics.hemigrid import Extension
 from lelight.metrics.en12464_tasks import TASKS
 from lelight.metrics.grid import cell_counts
-from lelight.plan import LARGEST_STORED_EXPONENT
+from lelight.plan import LARGEST_STORED_EXPONENT, Method
 from lelight.reading.quantities import (
     Band,
     Colour,
@@ -213,7 +214,7 @@ class CalcTable(Table):
     target: RelativeError | None = None
     time: Seconds | None = None
     preset: Literal["draft", "normal", "fine"] | None = None
-    method: Literal["sh", "grid"] | None = None
+    method: Method | None = None
     edge: Length | None = None
     seed: Annotated[int, Field(ge=0, lt=2**63)] | None = None
     threads: Count | None = None
@@ -221,6 +222,7 @@ class CalcTable(Table):
     adaptive: bool | None = None
     batches: Annotated[Count, Field(ge=2)] | None = None
     directions: Annotated[int, Field(ge=16, le=2**16)] | None = None
+    extension: Extension | None = None
     relightable: Annotated[float, number(0, LARGEST_STORED_EXPONENT)] | None = None
 
 

@@ -73,6 +73,7 @@ def write_field(
                 **_photometric_arrays(values, exitance, luminance, weights),
                 **harmonics,
                 **_node_arrays(mesh, values.sh_degree),
+                **_truncation(values),
             },
             cell_arrays={
                 "material_id": mesh.triangle_materials.astype(np.int32),
@@ -176,6 +177,12 @@ def _node_arrays(mesh: NodeMesh, sh_degree: IntArray) -> dict[str, NDArray[Any]]
     }
 
 
+def _truncation(values: NodeValues) -> dict[str, NDArray[Any]]:
+    if values.truncation is None:
+        return {}
+    return {"radiance_truncation_cd_m2": values.truncation.astype(np.float32)}
+
+
 def _by_channel(name: str, values: NDArray[Any]) -> dict[str, NDArray[Any]]:
     return {
         name + suffix: values[..., channel]
@@ -233,4 +240,15 @@ def _node_values(content: PolyData, channels: int) -> NodeValues:
         light_vector=stacked("light_vector_lx"),
         sh_degree=arrays["sh_degree"].astype(np.int64),
         radiance_sh=stacked("radiance_sh").reshape(len(content.points), -1, channels),
+        truncation=_truncation_of(content),
     )
+
+
+def _truncation_of(content: PolyData) -> FloatArray | None:
+    """Read truncation errors (n,), which older files do not have."""
+    found = content.point_arrays.get("radiance_truncation_cd_m2")
+    if found is None:
+        return None
+    if found.shape != (len(content.points),) or not np.isfinite(found).all():
+        raise ValueError("'radiance_truncation_cd_m2' is no finite number a node")
+    return found.astype(np.float64)
