@@ -13,6 +13,7 @@ from lelight.cli.options import SCENE, NamedPath, run_options
 from lelight.luminaires import have_direction
 from lelight.photometry.zones import luminous_flux
 from lelight.pipelines.check import Check, draw_luminaires, run_check
+from lelight.plan import Decision
 from lelight.scene import PointLuminaire
 from lelight.settings import Settings
 
@@ -33,7 +34,7 @@ def command(scene: Path, out: Path | None, **chosen: Any) -> None:
     check = run_check(scene, settings=Settings(**given), given=given)
     for title, lines in (
         ("Scene", _scene(check)),
-        ("Plan", [f"{d.name}: {d.value} ({d.reason})" for d in check.plan.decisions]),
+        ("Plan", [_decided(d) for d in check.plan.decisions]),
         ("Materials", _materials(check)),
         *([("Luminaires", _luminaires(check))] if have_direction(check.scene.luminaires) else []),
         ("Lint", [f"{f.severity}: {f.rule}: {f.text}" for f in check.findings] or ["nothing found"]),
@@ -43,6 +44,11 @@ def command(scene: Path, out: Path | None, **chosen: Any) -> None:
     drawn = draw_luminaires(scene, check.scene, out)
     if drawn is not None:
         click.echo(f"luminaires drawn in {drawn}")
+
+
+def _decided(decision: Decision) -> str:
+    cost = f" [{decision.cost}]" if str(decision.cost) else ""
+    return f"{decision.name}: {decision.value} ({decision.reason}){cost}"
 
 
 def _scene(check: Check) -> list[str]:

@@ -18,12 +18,12 @@ from lelight.estimate.interpolation import InterpolationError
 from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, pooled_error, visible_areas
 from lelight.estimate.samplingplan import SamplingPlan, StartingCells
 from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
-from lelight.estimate.variants import VARIANTS
 from lelight.field import RadianceField
 from lelight.mesh.doubles import without_repeated_faces
 from lelight.outcome import found_at_eyes, found_at_probes, found_field, found_on_planes
 from lelight.plan import Plan
 from lelight.preparation import Stage, prepare
+from lelight.reach import without_dark_lamps
 from lelight.reading.loading import require_light
 from lelight.receivers import Receivers
 from lelight.results import ObserverValues, PlaneValues
@@ -124,6 +124,8 @@ def calculate(
     require_light(scene)
     scene = without_repeated_faces(scene)
     settings = settings.over(scene.settings)
+    if settings.emitters != "all":
+        scene = without_dark_lamps(scene)
     keep = keep or Keeper()
     with ThreadPoolExecutor(max_workers=settings.workers) as executor:
         try:
@@ -176,7 +178,7 @@ def _estimate(
             base=base,
             detail=detail,
             executor=executor,
-            variant=VARIANTS[settings.estimator],
+            variant=stage.variant,
             keep=keep,
             name=f"unit/{replicates.units}",
         )
@@ -229,7 +231,7 @@ def _effort(settings: Settings, stage: Stage, executor: Executor, keep: Keeper) 
         batches=WANTED_BATCHES if settings.batches is None else BATCHES_WITHOUT_DOUBLING,
         seed=settings.seed,
         executor=executor,
-        variant=VARIANTS[settings.estimator],
+        variant=stage.variant,
         keep=keep,
     )
 

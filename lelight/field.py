@@ -27,7 +27,6 @@ from lelight.mesh.locate import Locator
 from lelight.mesh.nearest import TriangleGrid
 from lelight.mesh.nodes import NodeMesh
 from lelight.mesh.patches import patches
-from lelight.plan import stored_degree
 from lelight.results import NodeValues
 from lelight.scene import FloatArray, IntArray, Scene
 from lelight.spectral.bands import BANDS
@@ -237,7 +236,7 @@ class RadianceField:
         nodes, weights = self._locator.find(paths.points, self.labels[paths.triangles], sides)
         illuminance = np.einsum("kj,kjc->kc", weights, self.values.illuminance[nodes])
         radiance: FloatArray = self.world.reflectances.diffuse[paths.materials] * illuminance / math.pi
-        detailed = np.flatnonzero(self._degrees[paths.materials] > 0)
+        detailed = np.flatnonzero(self._stored_at(paths) > 0)
         if len(detailed):
             radiance[detailed] = self._synthesised(
                 paths.outgoing[detailed], nodes[detailed], weights[detailed]
@@ -264,7 +263,7 @@ class RadianceField:
             identity=identity[glossy] * (DEEPEST_MIRROR + 1) + depth,
             log2_samples=log2_highlights,
         )
-        sharp = self._degrees[paths.materials[glossy]] == 0
+        sharp = self._stored_at(paths)[glossy] == 0
         onward = np.flatnonzero(sharp[met.number])
         if len(onward) and depth < DEEPEST_MIRROR:
             behind = Paths(**{name: column[onward] for name, column in vars(met).items()})
@@ -286,9 +285,17 @@ class RadianceField:
     def _glossy_world(self) -> World:
         return only_specular(self.world)
 
+    def _stored_at(self, paths: Paths) -> IntArray:
+        """Degree (k,) of what the nodes around surface points keep, 0 where they keep no angular detail."""
+        front = np.einsum("kx,kx->k", paths.normals, self.world.normals[paths.triangles]) > 0
+        return self._side_degrees[self.labels[paths.triangles], np.where(front, 0, 1)]
+
     @cached_property
-    def _degrees(self) -> IntArray:
-        return np.array([stored_degree(m) for m in self.scene.materials], dtype=np.int64)
+    def _side_degrees(self) -> IntArray:
+        """Degree (n_patches, 2) of the nodes on front and back of each patch."""
+        degrees = np.zeros((int(self.labels.max(initial=-1)) + 1, 2), dtype=np.int64)
+        degrees[self.mesh.patches, np.where(self.mesh.sides > 0, 0, 1)] = self.values.sh_degree
+        return degrees
 
     def save(self, path: str | Path, *, header: dict[str, object] | None = None) -> None:
         """Write the field as ``field.vtp``, which `load` reads back."""

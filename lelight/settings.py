@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Literal
 
 from lelight.estimate.variants import Estimator
-from lelight.plan import Method
+from lelight.plan import Forced, Method
 
 Preset = Literal["draft", "normal", "fine"]
 
@@ -38,8 +38,8 @@ PRESETS: dict[Preset, PresetValues] = {
 
 
 @dataclass(frozen=True)
-class Settings:
-    """The choices of a run.
+class Settings(Forced):
+    """The choices of a run, and those of its plan that are forced.
 
     Attributes
     ----------

@@ -128,6 +128,8 @@ def _write(
 
 def _sights(run: Calculation) -> tuple[Sight, ...]:
     """Look through every observer's eyes."""
+    if run.settings.pictures is False:
+        return ()
     preset = run.settings.values
     with ThreadPoolExecutor(max_workers=run.settings.workers) as executor:
         return tuple(

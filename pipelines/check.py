@@ -49,7 +49,7 @@ def run_check(scene_path: Path, *, settings: Settings, given: Collection[str] = 
     """Read, plan, lint and remesh a scene, and foretell what a run will take."""
     scene = begin(scene_path, settings, given=given)
     settings = settings.over(scene.settings)
-    plan = make_plan(scene, method=settings.method)
+    plan = make_plan(scene, method=settings.method, forced=settings)
     edge = settings.edge or default_edge(scene) * settings.values.edge_scale
     labels = patches(scene)
     nodes = len(graded(remesh(scene, labels, edge=edge), scene, labels).vertices)

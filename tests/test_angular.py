@@ -16,9 +16,9 @@ from lelight.harmonics.basis import evaluate
 from lelight.harmonics.frames import to_local
 from lelight.harmonics.hemigrid import HemisphereGrid
 from lelight.mesh.nodes import frames_x
-from lelight.plan import stored_degree
 from lelight.receivers import space_receivers, with_surface
 from lelight.scene import Material
+from lelight.storeddegree import stored_degree
 from lelight.tracing.reflection import collect_reflectances
 
 EXACT = 1e-9

@@ -50,6 +50,15 @@ threads = 2
 estimator = "emitters"
 batches = 16
 directions = 64
+colour = "rgb"
+degree = 11
+angular = "all"
+mirrors = "stored"
+sides = "both"
+indirect = true
+residual = false
+emitters = "all"
+pictures = false
 """
 
 LUMINAIRE = '[[luminaires]]\nname = "L"\nposition = [0, 0, 0]\n'
@@ -95,6 +104,15 @@ def test_every_key_arrives(tmp_path: Path) -> None:
         "adaptive": None,
         "batches": 16,
         "directions": 64,
+        "colour": "rgb",
+        "degree": 11,
+        "angular": "all",
+        "mirrors": "stored",
+        "sides": "both",
+        "indirect": True,
+        "residual": False,
+        "emitters": "all",
+        "pictures": False,
     }
 
 

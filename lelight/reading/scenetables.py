@@ -19,6 +19,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from lelight import plan
 from lelight.estimate.variants import Estimator
 from lelight.metrics.en12464_tasks import TASKS
 from lelight.metrics.grid import cell_counts
@@ -40,6 +41,7 @@ from lelight.reading.quantities import (
     Threshold,
     number,
 )
+from lelight.storeddegree import LARGEST_DEGREE, Mirrors
 
 Unit = Literal["m", "cm", "mm", "in", "ft"]
 UpAxis = Literal["z", "y"]
@@ -206,7 +208,8 @@ Count = Annotated[int, Field(ge=1, le=2**31)]
 class CalcTable(Table):
     """Expert keys of the calculation; what is absent is for the command line and the plan to say.
 
-    ``target`` is a relative standard error, ``time`` is in s, ``edge`` in m.
+    ``target`` is a relative standard error, ``time`` is in s, ``edge`` in m. From ``colour`` on they are decisions of
+    the plan, see `lelight.plan.Forced`.
     """
 
     target: RelativeError | None = None
@@ -220,6 +223,15 @@ class CalcTable(Table):
     adaptive: bool | None = None
     batches: Annotated[Count, Field(ge=2)] | None = None
     directions: Annotated[int, Field(ge=16, le=2**16)] | None = None
+    colour: plan.Colour | None = None
+    degree: Annotated[int, Field(ge=0, le=LARGEST_DEGREE)] | None = None
+    angular: plan.Angular | None = None
+    mirrors: Mirrors | None = None
+    sides: plan.Sides | None = None
+    indirect: bool | None = None
+    residual: bool | None = None
+    emitters: plan.Lamps | None = None
+    pictures: bool | None = None
 
 
 class OutdoorTable(Table):

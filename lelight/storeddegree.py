@@ -1,0 +1,31 @@
+"""Which degree of spherical harmonics a material's lobe asks for."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from lelight.harmonics.zonal import degree_for
+from lelight.scene import Material
+
+#: How lobes are kept where somebody takes the choice from their exponent: all at nodes, or none.
+Mirrors = Literal["stored", "reflected"]
+
+#: Lobes sharper than this are not stored at nodes; the view ray is reflected when a picture is made.
+LARGEST_STORED_EXPONENT = 256.0
+#: Lobes blunter than this end in a kink that harmonics follow slowly; they get the degree of this exponent.
+BLUNT_EXPONENT = 16.0
+#: The largest degree that is stored, whatever is asked for.
+LARGEST_DEGREE = 128
+
+
+def stored_degree(material: Material, *, mirrors: Mirrors | None = None) -> int:
+    """Degree of harmonics at nodes of a material: 0 where it is Lambertian or too sharp to store.
+
+    Parameters
+    ----------
+    mirrors : store sharp lobes too, to the largest degree at most, or none at all
+    """
+    sharp = material.exponent > LARGEST_STORED_EXPONENT
+    if not material.glossy or mirrors == "reflected" or (sharp and mirrors != "stored"):
+        return 0
+    return min(degree_for(max(material.exponent, BLUNT_EXPONENT)), LARGEST_DEGREE)
