@@ -23,6 +23,7 @@ COMMANDS = {
     "metrics": "Print every figure of a result.",
     "render": "Take a new picture of a result.",
     "report": "Write a PDF report of a result: luminance or glare.",
+    "tradeoff": "Measure speed against accuracy in a scene.",
     "validate": "Compute scenes with known answers and compare.",
 }
 

@@ -38,7 +38,7 @@ class Forced:
     Attributes
     ----------
     colour : channels that are carried
-    degree : of the harmonics at every node that light reaches, 0 for none
+    degree : of the harmonics at every node that light reaches, 0 for none; at glossy ones with ``angular`` "seen"
     angular : which of the nodes that could keep angular detail do
     mirrors : whether sharp lobes are stored at nodes, or all lobes reflect the view ray
     sides : which sides of patches carry nodes
@@ -200,7 +200,9 @@ def _residual(indirect: bool, forced: Forced) -> tuple[bool, Decision]:
 
 
 def _degree(material: Material, forced: Forced) -> int:
-    return stored_degree(material, mirrors=forced.mirrors) if forced.degree is None else forced.degree
+    if forced.degree is None:
+        return stored_degree(material, mirrors=forced.mirrors)
+    return forced.degree if material.glossy or forced.angular != "seen" else 0
 
 
 def _lobes(

@@ -50,7 +50,7 @@ def seen_sides(scene: Scene, world: World, mesh: NodeMesh, plan: Plan) -> tuple[
     Where too little was kept, a direction is evaluated by reflecting the view ray: noisier, and right.
     """
     sides = np.ones((int(mesh.patches.max(initial=-1)) + 1, 2), dtype=np.bool_)
-    if plan.angular == "all":
+    if plan.angular == "all" or not scene.observers:
         return sides, None
     materials = np.unique(mesh.materials)
     mirrors = [
