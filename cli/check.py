@@ -26,7 +26,7 @@ C0_RULES = ("its C0 is the zero plane of LM-63, along the length", "its C0 lies 
 @click.option("-o", "--out", type=NamedPath(), help="Folder of layout.svg. Default: SCENE's stem.lelight.")
 @run_options
 def command(scene: Path, out: Path | None, **chosen: Any) -> None:
-    """Read SCENE, trace nothing: the plan, the materials, the lint, and what a run will take.
+    """Read SCENE and run it shortly on a coarse mesh: the plan, the materials, the lint, and what a run will take.
 
     Draws where luminaires hang and point: layout.svg and luminaires.vtp.
     """
@@ -110,7 +110,9 @@ def _numbers(components: NDArray[Any]) -> str:
 
 
 def _cost(check: Check) -> list[str]:
+    found = check.forecast
     return [
-        f"about {check.nodes} nodes a side at an edge of {check.edge:.3g} m",
-        f"about {check.seconds:.0f} s (within a factor of three), about {check.memory / 1e6:.0f} MB",
+        f"about {found.nodes:.0f} nodes at an edge of {found.edge:.3g} m",
+        f"about {found.seconds:.0f} s to a relative standard error of {found.error:.2%}, "
+        f"and {found.memory / 1e6:.0f} MB",
     ]

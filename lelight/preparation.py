@@ -109,7 +109,7 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) 
     """Plan, remesh, find the lit sides and the buried nodes, list the receivers."""
     plan = make_plan(scene, method=settings.method, forced=settings)
     labels = patches(scene)
-    edge = settings.edge or default_edge(scene) * settings.values.edge_scale
+    edge = settings.edge or default_edge(scene) * settings.edge_scale
     world = build_world(scene, plan.channels)
     require_absorption(scene, world)
     require_clear_emitters(scene, world)

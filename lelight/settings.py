@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Literal
 
+from lelight.dial import edge_scale
+from lelight.dialvalues import PRESET_POINTS
 from lelight.estimate.variants import Estimator
 from lelight.plan import Forced, Method
 
@@ -31,9 +33,9 @@ class PresetValues:
 
 
 PRESETS: dict[Preset, PresetValues] = {
-    "draft": PresetValues(target=0.08, edge_scale=1.8, picture_size=500, picture_samples=1),
-    "normal": PresetValues(target=0.02, edge_scale=1.0, picture_size=800, picture_samples=4),
-    "fine": PresetValues(target=0.01, edge_scale=0.7, picture_size=1000, picture_samples=9),
+    "draft": PresetValues(*PRESET_POINTS["draft"], picture_size=500, picture_samples=1),
+    "normal": PresetValues(*PRESET_POINTS["normal"], picture_size=800, picture_samples=4),
+    "fine": PresetValues(*PRESET_POINTS["fine"], picture_size=1000, picture_samples=9),
 }
 
 
@@ -78,6 +80,11 @@ class Settings(Forced):
     def target_error(self) -> float:
         """Relative standard error to reach."""
         return self.target if self.target is not None else self.values.target
+
+    @property
+    def edge_scale(self) -> float:
+        """Edge of the node mesh against the default of the scene's size: the preset's, or what goes with the target."""
+        return self.values.edge_scale if self.target is None else edge_scale(self.target)
 
     @property
     def workers(self) -> int:

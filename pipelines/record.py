@@ -45,7 +45,9 @@ def run_record(
         "plan": [_decision(d) for d in run.plan.decisions],
         "settings": run.settings.as_table()
         | {"edge": round(run.edge, 6), "target": run.settings.target_error},
-        "effort": vars(run.effort),
+        "effort": {
+            name: found for name, found in vars(run.effort).items() if not isinstance(found, np.ndarray)
+        },
         "seed": run.settings.seed,
         "seconds": _seconds(run, seconds),
         "rays": totals.rays,

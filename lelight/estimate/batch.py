@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
@@ -48,12 +48,21 @@ class Effort:
     log2_direct : int, shadow rays to emitters for each receiver, as power of two
     log2_near : int, near-field rays for each receiver, as power of two
     bound : float, 1/m²; b that splits the kernel between chains and near field
+    variance, cost : (3,) float, what trials found of the parts (chains, direct light, near field) for one sample each:
+        square of the relative error, and rays a receiver, weighed by how long they take; 0 where nothing was tried
     """
 
     log2_chains: int
     log2_direct: int
     log2_near: int
     bound: float
+    variance: FloatArray = field(default_factory=lambda: np.zeros(3), compare=False)
+    cost: FloatArray = field(default_factory=lambda: np.zeros(3), compare=False)
+
+    @property
+    def samples(self) -> FloatArray:
+        """Samples (3,) of the parts in one batch."""
+        return np.asarray(2.0 ** np.array([self.log2_chains, self.log2_direct, self.log2_near]))
 
 
 @dataclass(frozen=True)
