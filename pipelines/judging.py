@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lelight.paretofront import pareto_front, slope
+from lelight.paretofront import front_error, pareto_front, slope
 
 
 def judged(record: dict[str, Any]) -> dict[str, Any]:
@@ -42,6 +42,10 @@ def in_words(runs: list[dict[str, Any]], slopes: Mapping[str, float]) -> list[st
     told += [f"{knob.capitalize()}: more time brings nothing." for knob, each in slopes.items() if each >= 0]
     for row in (row for row in runs if row["knob"] == "preset"):
         where = "on the front" if row["front"] else "behind the front"
+        if others := [each for each in runs if each["knob"] != "preset"]:
+            seconds, errors = ([each[key] for each in others] for key in ("cpu_seconds", "error"))
+            times = row["error"] / front_error(seconds, errors, row["cpu_seconds"])
+            where = f"{where}, {times:.2f} of the error of the other runs' front in the same time"
         told.append(
             f"Preset {row['value']}: error {row['error']:.2%} in {row['cpu_seconds']:.0f} processor seconds, {where}."
         )

@@ -116,6 +116,9 @@ def test_words_name_the_knob_that_pays_most():
     assert told[0] == "Mesh pays most: twice the time leaves 0.50 of the error."
     assert "Degree: more time brings nothing." in told
     assert "Preset draft: error 10.00% in 3 processor seconds, on the front." in told
+    other = runs[0] | {"knob": "mesh", "error": 0.125}
+    (preset,) = [line for line in in_words([*runs, other], {}) if line.startswith("Preset")]
+    assert preset.endswith("on the front, 0.80 of the error of the other runs' front in the same time.")
 
 
 def test_a_sweep_turns_degree_and_method_only_where_something_is_glossy():
