@@ -18,7 +18,7 @@ import numpy as np
 from lelight.camera import Camera, as_picture, stratified_offsets
 from lelight.channels import luminance_weighted
 from lelight.errors import OutputError
-from lelight.estimate.paths import Paths, meet
+from lelight.estimate.pathstate import Paths, meet
 from lelight.harmonics.frames import to_local
 from lelight.harmonics.indices import degree_of
 from lelight.harmonics.projection import synthesise_at

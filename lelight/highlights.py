@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from lelight.estimate.paths import NUMBERS, Paths, rotated_numbers, step
+from lelight.estimate.paths import NUMBERS, rotated_numbers, step
+from lelight.estimate.pathstate import Paths
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.chains import hash_of
 from lelight.tracing.sampling import Stretch, sobol

@@ -17,7 +17,8 @@ from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import ARRAY
 from lelight.estimate.direct import direct_light
 from lelight.estimate.nearfield import hemisphere_rays
-from lelight.estimate.paths import Paths, chosen_paths, hashed_numbers, meet
+from lelight.estimate.paths import hashed_numbers
+from lelight.estimate.pathstate import Paths, chosen_paths, meet
 from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers, space_receivers, surface_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas

@@ -148,7 +148,7 @@ def mean_over(run: Calculation, nodes: IntArray) -> FloatArray:
 
 
 def test_every_channel_of_the_cornell_box() -> None:
-    runs = [lit("cornell", seed=seed, batches=4) for seed in range(1, RUNS + 1)]
+    runs = [lit("cornell", seed=seed, batches=5) for seed in range(1, RUNS + 1)]
     nodes = drawn_nodes(runs[0], 60)
     traced = traced_illuminance(scene_of("cornell"), runs[0], nodes, paths=16384)
     for channel in range(3):

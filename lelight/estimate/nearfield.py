@@ -17,14 +17,8 @@ from numba import njit
 
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
-from lelight.estimate.paths import (
-    NUMBERS,
-    Paths,
-    chosen_paths,
-    meet,
-    reflected_radiance,
-    rotated_numbers,
-)
+from lelight.estimate.paths import NUMBERS, reflected_radiance, rotated_numbers
+from lelight.estimate.pathstate import Paths, chosen_paths, meet
 from lelight.estimate.split import list_near
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray

@@ -18,7 +18,7 @@ from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 from lelight.spectral.bands import emission_in_channels
 from lelight.tracing.distributions import Distributions, collect_distributions
 
-#: Numbers in the sketch of a source.
+#: Numbers in the sketch of a triangle.
 SKETCH = 10
 
 
@@ -38,9 +38,8 @@ class Emitters(NamedTuple):
     power_cdf : (T + P,) float, cumulative share of power
     weights : (C,) float, luminance weights of the channels
     of_triangle : (n_t,) int, number of the source that a scene triangle is, or -1
-    sketch : (T + P, 10) float, what `rough_cdf` looks at: middle (3), normal (3), radius in m around it,
-        area over pi in m², pi times the largest intensity, 1 where both sides emit; points have no normal,
-        radius or area
+    sketch : (10, T) float, what `rough_cdfs` looks at: middle (3), normal (3), radius in m around it, area over
+        pi in m², pi times the largest intensity, 1 where both sides emit
     tables : (P,) int, distribution of a point, or -1 where it is isotropic
     distributions : the tables
     axes : (P, 3, 3) float, rows C0, C90 and up of a photometric point
@@ -117,7 +116,7 @@ def collect_emitters(scene: Scene, channels: FloatArray) -> Emitters:
         power_cdf=np.empty(0),
         weights=luminance_weights(count),
         of_triangle=of_triangle,
-        sketch=np.empty((0, SKETCH)),
+        sketch=np.empty((SKETCH, 0)),
         **_lamp_arrays(scene),
     )
     power = luminance_weighted(unweighted.flux)
@@ -167,18 +166,14 @@ def _lamp_arrays(scene: Scene) -> dict[str, Any]:
 
 
 def _sketch(emitters: Emitters) -> FloatArray:
-    """Boil each source down to ten numbers; see `Emitters`."""
+    """Boil each triangle down to ten numbers; see `Emitters`."""
     triangles = len(emitters.areas)
-    sketch = np.zeros((len(emitters.power), SKETCH))
+    sketch = np.zeros((SKETCH, triangles))
     middle = emitters.corners.mean(axis=1)
-    sketch[:triangles, :3] = middle
-    sketch[:triangles, 3:6] = emitters.normals
-    sketch[:triangles, 6] = np.linalg.norm(emitters.corners - middle[:, None], axis=2).max(
-        axis=1, initial=0.0
-    )
-    sketch[:triangles, 7] = emitters.areas / math.pi
-    sketch[:triangles, 9] = emitters.both_sides
-    sketch[triangles:, :3] = emitters.positions
-    sketch[:triangles, 8] = emitters.power[:triangles] / np.where(emitters.both_sides, 2.0, 1.0)
-    sketch[triangles:, 8] = emitters.power[triangles:] / 4.0
+    sketch[:3] = middle.T
+    sketch[3:6] = emitters.normals.T
+    sketch[6] = np.linalg.norm(emitters.corners - middle[:, None], axis=2).max(axis=1, initial=0.0)
+    sketch[7] = emitters.areas / math.pi
+    sketch[8] = emitters.power[:triangles] / np.where(emitters.both_sides, 2.0, 1.0)
+    sketch[9] = emitters.both_sides
     return sketch

@@ -1,0 +1,182 @@
+"""Light of the emitters on paths: drawn at every surface, and met by Phong lobes on their own.
+
+The Lambertian lobe takes direct light from the drawn source only; the Phong lobe combines it with what its own
+direction meets, by the balance heuristic (Veach & Guibas 1995).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from lelight.estimate.pathstate import Paths
+from lelight.estimate.split import above, lobe_probability, lobe_shares
+from lelight.scene import FloatArray, IntArray
+from lelight.tracing.drawing import (
+    LOCAL_CHOICE_LIMIT,
+    chosen,
+    drawn_density,
+    rough_cdfs,
+    shines,
+    source_housing,
+    toward_face,
+)
+from lelight.tracing.emitters import Emitters
+from lelight.tracing.lamps import toward_lamp
+from lelight.tracing.reflection import Reflectances, lobe, lobe_density
+from lelight.tracing.sampling import mirrored
+from lelight.tracing.world import World
+
+_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
+
+#: Paths for which the choice of sources is laid out at once; bounds memory, does not change results.
+PATHS_AT_ONCE = 256
+
+
+def add_drawn_sources(
+    world: World, paths: Paths, bound: float, numbers: FloatArray, radiance: FloatArray
+) -> int:
+    """Add the light of one drawn source at each path's surface; returns the shadow rays."""
+    light = np.zeros_like(paths.throughput)
+    origins, ends = np.empty_like(paths.points), np.empty_like(paths.points)
+    housing = np.zeros(len(paths.points), dtype=np.int64)
+    _draw_sources(
+        world.emitters,
+        world.reflectances,
+        paths.points,
+        paths.normals,
+        paths.outgoing,
+        paths.materials,
+        paths.throughput,
+        paths.geometry,
+        bound,
+        numbers,
+        world.caster.offset,
+        light,
+        origins,
+        ends,
+        housing,
+    )
+    lit = np.flatnonzero(light.max(axis=1) > 0.0)
+    clear = lit[world.visible(origins[lit], ends[lit], housing=housing[lit])]
+    np.add.at(radiance, paths.number[clear], light[clear])
+    return len(lit)
+
+
+@njit(**_COMPILED)
+def _draw_sources(
+    emitters: Emitters,
+    reflectances: Reflectances,
+    points: FloatArray,
+    normals: FloatArray,
+    outgoing: FloatArray,
+    materials: IntArray,
+    throughput: FloatArray,
+    geometry: FloatArray,
+    bound: float,
+    numbers: FloatArray,
+    offset: float,
+    light: FloatArray,
+    origins: FloatArray,
+    ends: FloatArray,
+    housing: IntArray,
+) -> None:
+    # Single arrays: handing all emitters or materials on costs more than what is done with them.
+    corners, faces, areas = emitters.corners, emitters.normals, emitters.areas
+    both_sides, luminance, intensity = emitters.both_sides, emitters.luminance, emitters.intensity
+    diffuse, specular, exponent = reflectances.diffuse, reflectances.specular, reflectances.exponent
+    triangles = len(corners)
+    # Among very many sources the choice is the same at every place: one row serves all.
+    everywhere = len(emitters.power) > LOCAL_CHOICE_LIMIT
+    cdfs = np.empty((1 if everywhere else min(PATHS_AT_ONCE, len(points)), len(emitters.power)))
+    for k in range(len(points)):
+        row = 0 if everywhere else k % PATHS_AT_ONCE
+        if row == 0 and (k == 0 or not everywhere):
+            last = min(k + len(cdfs), len(points))
+            rough_cdfs(emitters, points[k:last], normals[k:last], cdfs)
+        cdf = cdfs[row]
+        m = materials[k]
+        share_d, share_s = lobe_shares(reflectances, m, bound, geometry[k])
+        p_diffuse = lobe_probability(reflectances, m, share_d, share_s)
+        if p_diffuse < 0.0 or not cdf[-1] > 0.0:
+            continue
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
+        source, share = chosen(cdf, numbers[k, 0])
+        u, v = numbers[k, 1], numbers[k, 2]
+        if source < triangles:
+            d, end, factor, density = toward_face(
+                corners, faces, areas, both_sides, source, x, y, z, u, v, offset
+            )
+        else:
+            d, end, factor, density = toward_lamp(emitters, source - triangles, x, y, z, u, v, offset)
+        cos_theta = d[0] * nx + d[1] * ny + d[2] * nz
+        if factor <= 0.0 or cos_theta <= 0.0:
+            continue
+        phong = 0.0
+        if p_diffuse < 1.0:
+            n = exponent[m]
+            ax, ay, az = mirrored(outgoing[k, 0], outgoing[k, 1], outgoing[k, 2], nx, ny, nz)
+            cos_alpha = d[0] * ax + d[1] * ay + d[2] * az
+            peak = lobe(n, cos_alpha)
+            phong = peak * above(bound, math.pi * peak * geometry[k])
+            if phong > 0.0 and density > 0.0:
+                drawn = share * density
+                phong *= drawn / (drawn + (1.0 - p_diffuse) * lobe_density(n, cos_alpha))
+        for c in range(light.shape[1]):
+            reflected = diffuse[m, c] * share_d / math.pi + specular[m, c] * phong
+            strength = luminance[source, c] if source < triangles else intensity[source - triangles, c]
+            light[k, c] = throughput[k, c] * strength * factor / share * cos_theta * reflected
+        if source >= triangles:
+            housing[k] = source_housing(emitters, source)
+        for axis in range(3):
+            origins[k, axis] = points[k, axis] + offset * normals[k, axis]
+            ends[k, axis] = end[axis]
+
+
+def add_met_emitters(
+    world: World, left: Paths, met: Paths, density: FloatArray, radiance: FloatArray
+) -> None:
+    """Add emission that Phong lobes met by themselves, weighted against drawing the same source."""
+    _weigh_met_emitters(
+        world.emitters,
+        left.points,
+        left.normals,
+        met.outgoing,
+        met.triangles,
+        met.throughput,
+        density,
+        met.number,
+        radiance,
+    )
+
+
+@njit(**_COMPILED)
+def _weigh_met_emitters(
+    emitters: Emitters,
+    points: FloatArray,
+    normals: FloatArray,
+    back: FloatArray,
+    triangles: IntArray,
+    throughput: FloatArray,
+    density: FloatArray,
+    number: IntArray,
+    radiance: FloatArray,
+) -> None:
+    cdf = np.empty((1, len(emitters.power)))
+    for k in range(len(points)):
+        source = emitters.of_triangle[triangles[k]]
+        if density[k] <= 0.0 or source < 0:
+            continue
+        d = (-back[k, 0], -back[k, 1], -back[k, 2])
+        if not shines(emitters, source, d):
+            continue
+        rough_cdfs(emitters, points[k : k + 1], normals[k : k + 1], cdf)
+        drawn = 0.0
+        if cdf[0, -1] > 0.0:
+            drawn = drawn_density(emitters, cdf[0], source, points[k, 0], points[k, 1], points[k, 2], d)
+        weight = density[k] / (density[k] + drawn)
+        for c in range(radiance.shape[1]):
+            radiance[number[k], c] += weight * throughput[k, c] * emitters.luminance[source, c]
