@@ -13,6 +13,7 @@ from lelight.cli.options import SCENE, NamedPath, run_options
 from lelight.luminaires import have_direction
 from lelight.photometry.zones import luminous_flux
 from lelight.pipelines.check import Check, draw_luminaires, run_check
+from lelight.plan import Decision
 from lelight.scene import PointLuminaire
 from lelight.settings import Settings
 
@@ -25,7 +26,7 @@ C0_RULES = ("its C0 is the zero plane of LM-63, along the length", "its C0 lies 
 @click.option("-o", "--out", type=NamedPath(), help="Folder of layout.svg. Default: SCENE's stem.lelight.")
 @run_options
 def command(scene: Path, out: Path | None, **chosen: Any) -> None:
-    """Read SCENE, trace nothing: the plan, the materials, the lint, and what a run will take.
+    """Read SCENE and run it shortly on a coarse mesh: the plan, the materials, the lint, and what a run will take.
 
     Draws where luminaires hang and point: layout.svg and luminaires.vtp.
     """
@@ -33,7 +34,7 @@ def command(scene: Path, out: Path | None, **chosen: Any) -> None:
     check = run_check(scene, settings=Settings(**given), given=given)
     for title, lines in (
         ("Scene", _scene(check)),
-        ("Plan", [f"{d.name}: {d.value} ({d.reason})" for d in check.plan.decisions]),
+        ("Plan", [_decided(d) for d in check.plan.decisions]),
         ("Materials", _materials(check)),
         *([("Luminaires", _luminaires(check))] if have_direction(check.scene.luminaires) else []),
         ("Lint", [f"{f.severity}: {f.rule}: {f.text}" for f in check.findings] or ["nothing found"]),
@@ -43,6 +44,11 @@ def command(scene: Path, out: Path | None, **chosen: Any) -> None:
     drawn = draw_luminaires(scene, check.scene, out)
     if drawn is not None:
         click.echo(f"luminaires drawn in {drawn}")
+
+
+def _decided(decision: Decision) -> str:
+    cost = f" [{decision.cost}]" if str(decision.cost) else ""
+    return f"{decision.name}: {decision.value} ({decision.reason}){cost}"
 
 
 def _scene(check: Check) -> list[str]:
@@ -104,7 +110,9 @@ def _numbers(components: NDArray[Any]) -> str:
 
 
 def _cost(check: Check) -> list[str]:
+    found = check.forecast
     return [
-        f"about {check.nodes} nodes a side at an edge of {check.edge:.3g} m",
-        f"about {check.seconds:.0f} s (within a factor of three), about {check.memory / 1e6:.0f} MB",
+        f"about {found.nodes:.0f} nodes at an edge of {found.edge:.3g} m",
+        f"about {found.seconds:.0f} s to a relative standard error of {found.error:.2%}, "
+        f"and {found.memory / 1e6:.0f} MB",
     ]

@@ -25,6 +25,7 @@ COMMANDS = {
     "relight": "Give surfaces of a result other materials, without a new run.",
     "render": "Take a new picture of a result.",
     "report": "Write a PDF report of a result: luminance or glare.",
+    "tradeoff": "Measure speed against accuracy in a scene.",
     "validate": "Compute scenes with known answers and compare.",
 }
 

@@ -71,7 +71,7 @@ _RUN_OPTIONS = [
     click.option(
         "--target", type=relative_error, metavar="ERROR", help="Relative standard error to reach, e.g. 2%."
     ),
-    click.option("--time", type=seconds, metavar="TIME", help="Stop at this budget, e.g. 60s."),
+    click.option("--time", type=seconds, metavar="TIME", help="Time of the whole command, e.g. 60s."),
     click.option("--preset", type=click.Choice(["draft", "normal", "fine"]), help="Default: normal."),
     click.option(
         "--method", type=click.Choice(["sh", "grid", "sampled"]), help="Angular detail of glossy nodes."

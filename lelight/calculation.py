@@ -18,12 +18,12 @@ from lelight.estimate.interpolation import InterpolationError
 from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, pooled_error, visible_areas
 from lelight.estimate.samplingplan import SamplingPlan, StartingCells
 from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
-from lelight.estimate.variants import VARIANTS
 from lelight.field import RadianceField
 from lelight.mesh.doubles import without_repeated_faces
 from lelight.outcome import found_at_eyes, found_at_probes, found_field, found_on_planes
 from lelight.plan import Plan
 from lelight.preparation import Stage, prepare
+from lelight.reach import without_dark_lamps
 from lelight.reading.loading import require_light
 from lelight.receivers import Receivers
 from lelight.results import ObserverValues, PlaneValues
@@ -36,13 +36,28 @@ from lelight.soundness import (
     require_sound_results,
 )
 
-#: Rays a second that a clock is taken to stand for, whatever the machine: the size of batches, and with it the
-#: result, depends on the time asked for only.
+#: Rays a second that a clock is taken to stand for where no short run has told.
 NOMINAL_RAY_RATE = 1e6
 #: Batches that shall at least fit into the time asked for.
 LEAST_BATCHES_IN_TIME = 16
 #: Batches that an effort is shared out over where a run makes exactly so many replicates without doubling.
 BATCHES_WITHOUT_DOUBLING = 12
+
+
+@dataclass(frozen=True)
+class Pace:
+    """What a run with a budget of time goes by.
+
+    Attributes
+    ----------
+    ray_rate : float, rays a second that size the batches
+    before, reserve : float, s that are not for the estimate: all, and those after it
+    """
+
+    ray_rate: float = NOMINAL_RAY_RATE
+    before: float = 0.0
+    reserve: float = 0.0
+
 
 #: What follows a run: called after every batch.
 Progress = Callable[["Standing"], None]
@@ -111,6 +126,7 @@ def calculate(
     settings: Settings,
     *,
     like: SamplingPlan | None = None,
+    pace: Pace | None = None,
     progress: Progress = lambda _: None,
     keep: Keeper | None = None,
 ) -> Calculation:
@@ -119,11 +135,14 @@ def calculate(
     Parameters
     ----------
     like : sample as another run did, instead of until a target or a time; its seed and edge are up to the settings
+    pace : what is known of the machine, where the run has a budget of time
     keep : remembers what is found, and gives back what an earlier part of the run has found
     """
     require_light(scene)
     scene = without_repeated_faces(scene)
     settings = settings.over(scene.settings)
+    if settings.emitters != "all":
+        scene = without_dark_lamps(scene)
     keep = keep or Keeper()
     with ThreadPoolExecutor(max_workers=settings.workers) as executor:
         try:
@@ -131,7 +150,10 @@ def calculate(
             require_sound_mesh(scene, stage.mesh)
             if stage.base is not None:
                 require_sound_base(scene, stage.mesh, stage.base)
-            return _estimate(scene, settings, stage, executor, like=like, progress=progress, keep=keep)
+            pace = pace or Pace()
+            return _estimate(
+                scene, settings, stage, executor, like=like, pace=pace, progress=progress, keep=keep
+            )
         except KeyboardInterrupt:
             executor.shutdown(wait=False, cancel_futures=True)
             keep.flush()
@@ -145,6 +167,7 @@ def _estimate(
     executor: Executor,
     *,
     like: SamplingPlan | None,
+    pace: Pace,
     progress: Progress,
     keep: Keeper,
 ) -> Calculation:
@@ -157,7 +180,7 @@ def _estimate(
     )
     base = stage.base
     if like is None:
-        effort, receivers = _effort(settings, stage, executor, keep)
+        effort, receivers = _effort(settings, stage, executor, pace, keep)
     else:
         effort, receivers = like.effort, like.shared_out(stage.receivers)
         base = like.started_alike(base)
@@ -181,7 +204,7 @@ def _estimate(
             base=base,
             detail=detail,
             executor=executor,
-            variant=VARIANTS[settings.estimator],
+            variant=stage.variant,
             keep=keep,
             name=f"unit/{replicates.units}",
         )
@@ -193,7 +216,7 @@ def _estimate(
     with keep.stop.listening():
         while True:
             if replicates.step is None:
-                step = _next_step(settings, course)
+                step = _next_step(settings, course, pace)
                 if step == "stop":
                     break
                 replicates.start(step)
@@ -217,13 +240,15 @@ def _estimate(
     return _found(scene, settings, stage, sampling, detail, course, keep.clock)
 
 
-def _effort(settings: Settings, stage: Stage, executor: Executor, keep: Keeper) -> tuple[Effort, Receivers]:
+def _effort(
+    settings: Settings, stage: Stage, executor: Executor, pace: Pace, keep: Keeper
+) -> tuple[Effort, Receivers]:
     """Try small batches to find what a full one should do, and how receivers share its samples."""
     areas = np.zeros(len(stage.receivers))
     areas[: len(stage.mesh)] = visible_areas(stage.mesh.areas, stage.mesh.hidden)
-    most_rays = (
-        NOMINAL_RAY_RATE * settings.time / LEAST_BATCHES_IN_TIME if settings.time is not None else np.inf
-    )
+    most_rays = np.inf
+    if settings.time is not None:
+        most_rays = pace.ray_rate * max(settings.time - pace.before, 0.0) / LEAST_BATCHES_IN_TIME
     return choose_effort(
         stage.world,
         stage.receivers,
@@ -234,12 +259,12 @@ def _effort(settings: Settings, stage: Stage, executor: Executor, keep: Keeper) 
         batches=WANTED_BATCHES if settings.batches is None else BATCHES_WITHOUT_DOUBLING,
         seed=settings.seed,
         executor=executor,
-        variant=VARIANTS[settings.estimator],
+        variant=stage.variant,
         keep=keep,
     )
 
 
-def _next_step(settings: Settings, course: Course) -> Step:
+def _next_step(settings: Settings, course: Course, pace: Pace) -> Step:
     """Decide how to go on from where the run stands."""
     if not course.convergence:
         return "append"
@@ -248,7 +273,7 @@ def _next_step(settings: Settings, course: Course) -> Step:
     if last.error is not None and (settings.target is not None or settings.time is None):
         missing = last.error.in_targets(last.target) ** 2 - 1.0
     if settings.time is not None:
-        room = (settings.time - last.seconds) / max(last.seconds - course.began, 1e-9)
+        room = (settings.time - pace.reserve - last.seconds) / max(last.seconds - course.began, 1e-9)
     return next_step(last.replicates, exactly=settings.batches, missing=missing, room=room)
 
 

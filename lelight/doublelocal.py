@@ -160,14 +160,15 @@ def surface_points(view: ViewRays, surfaces: Paths) -> Receivers:
     return replace(
         with_surface(space_receivers(surfaces.points, surfaces.normals)),
         materials=surfaces.materials,
-        degrees=(glossy & ~view.mirrors)[surfaces.materials].astype(np.int64),
+        degrees=(glossy[surfaces.materials] & ~view.on_mirrors(surfaces)).astype(np.int64),
     )
 
 
 def traced_view(field: RadianceField, *, sharpest: float = SHARPEST_LIT) -> ViewRays:
     """Look into the scene of a field; lobes of a greater exponent than ``sharpest`` send rays on."""
     sharp = np.array([m.glossy and m.exponent > sharpest for m in field.scene.materials])
-    return ViewRays.of(field.scene, field.world, mirrors=sharp, deepest=DEEPEST_MIRROR)
+    mirrors = np.repeat(sharp[field.world.materials][:, None], 2, axis=1)
+    return ViewRays.of(field.scene, field.world, mirrors=mirrors, deepest=DEEPEST_MIRROR)
 
 
 def stored_base(field: RadianceField, *, seed: int, executor: Executor) -> BaseField:

@@ -28,7 +28,6 @@ from lelight.mesh.locate import Locator
 from lelight.mesh.nearest import TriangleGrid
 from lelight.mesh.nodes import NodeMesh
 from lelight.mesh.patches import patches
-from lelight.plan import stored_degree
 from lelight.results import NodeValues
 from lelight.scene import FloatArray, IntArray, Scene
 from lelight.spectral.bands import BANDS
@@ -216,25 +215,28 @@ class RadianceField:
         nodes, weights = self._locator.find(paths.points, self.labels[paths.triangles], sides)
         illuminance = np.einsum("kj,kjc->kc", weights, self.values.illuminance[nodes])
         radiance: FloatArray = self.world.reflectances.diffuse[paths.materials] * illuminance / math.pi
-        degrees = self._degrees[paths.materials]
+        degrees = self._stored_at(paths)
         for degree in np.unique(degrees[degrees > 0]):
             own = np.flatnonzero(degrees == degree)
             radiance[own] = self._synthesised(int(degree), paths.outgoing[own], nodes[own], weights[own])
         return radiance
 
     def images(
-        self, points: FloatArray, normals: FloatArray, outgoing: FloatArray, materials: IntArray
+        self, points: FloatArray, normals: FloatArray, outgoing: FloatArray, triangles: IntArray
     ) -> FloatArray:
         """Images (k, C) of emitters in glossy surfaces, and of everything where lobes are too sharp to store.
 
         Parameters
         ----------
         points, normals, outgoing : (k, 3) float; the normal on the side that is seen
-        materials : (k,) int
+        triangles : (k,) int, on which the points lie
         """
         count = len(points)
         paths = replace(
-            Paths.at(points, normals, channels=self.world.channels), outgoing=outgoing, materials=materials
+            Paths.at(points, normals, channels=self.world.channels),
+            outgoing=outgoing,
+            materials=self.world.materials[triangles],
+            triangles=triangles,
         )
         seen = self._view_rays.reflecting(
             paths, np.arange(count), log2_images=LOG2_HIGHLIGHTS, log2_mirrored=LOG2_HIGHLIGHTS
@@ -261,11 +263,21 @@ class RadianceField:
 
     @cached_property
     def _view_rays(self) -> ViewRays:
-        return ViewRays.of(self.scene, self.world, mirrors=self._degrees == 0, deepest=DEEPEST_MIRROR)
+        return ViewRays.of(
+            self.scene, self.world, mirrors=self._side_degrees[self.labels] == 0, deepest=DEEPEST_MIRROR
+        )
+
+    def _stored_at(self, paths: Paths) -> IntArray:
+        """Degree (k,) of what the nodes around surface points keep, 0 where they keep no angular detail."""
+        front = np.einsum("kx,kx->k", paths.normals, self.world.normals[paths.triangles]) > 0
+        return self._side_degrees[self.labels[paths.triangles], np.where(front, 0, 1)]
 
     @cached_property
-    def _degrees(self) -> IntArray:
-        return np.array([stored_degree(m) for m in self.scene.materials], dtype=np.int64)
+    def _side_degrees(self) -> IntArray:
+        """Degree (n_patches, 2) of the nodes on front and back of each patch."""
+        degrees = np.zeros((int(self.labels.max(initial=-1)) + 1, 2), dtype=np.int64)
+        degrees[self.mesh.patches, np.where(self.mesh.sides > 0, 0, 1)] = self.values.sh_degree
+        return degrees
 
     def save(self, path: str | Path, *, header: dict[str, object] | None = None) -> None:
         """Write the field as ``field.vtp``, which `load` reads back."""

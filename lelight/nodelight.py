@@ -107,7 +107,7 @@ def seen_from(field: RadianceField, node: int, directions: FloatArray) -> Parts:
         np.tile(mesh.positions[node], (count, 1)),
         np.tile(mesh.normals[node], (count, 1)),
         directions,
-        np.full(count, mesh.materials[node]),
+        np.full(count, np.flatnonzero(field.labels == mesh.patches[node])[0]),
     )
     return Parts(
         luminance_weighted(stored),

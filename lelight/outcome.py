@@ -10,7 +10,6 @@ from lelight.estimate.interpolation import InterpolationError, interpolation_err
 from lelight.estimate.replicates import Replicates, pooled_error
 from lelight.field import RadianceField
 from lelight.incident import IncidentLight
-from lelight.plan import stored_degree
 from lelight.preparation import Stage
 from lelight.receivers import CYLINDRICAL, ILLUMINANCE, SCALAR, VECTOR
 from lelight.results import NodeValues, ObserverValues, PlaneValues
@@ -36,7 +35,7 @@ def found_field(
         direct=np.maximum(direct[:, ILLUMINANCE], 0.0),
         scalar_illuminance=total[:, SCALAR],
         light_vector=total[:, VECTOR : VECTOR + 3],
-        sh_degree=_stored_degrees(scene, stage, detail),
+        sh_degree=_stored_degrees(stage, detail),
         radiance_sh=_radiance(stage, replicates, detail, total[:, ILLUMINANCE]),
         truncation=_truncation(stage, replicates, detail),
     )
@@ -44,10 +43,10 @@ def found_field(
     return RadianceField(scene, stage.mesh, values, stage.labels, stage.world, incident)
 
 
-def _stored_degrees(scene: Scene, stage: Stage, detail: AngularDetail | None) -> IntArray:
+def _stored_degrees(stage: Stage, detail: AngularDetail | None) -> IntArray:
     """Degree (n,) of the coefficients of each node."""
-    of_materials = np.array([stored_degree(material) for material in scene.materials], dtype=np.int64)
-    degrees: IntArray = of_materials[stage.mesh.materials]
+    keeping = stage.receivers.degrees[: len(stage.mesh)] > 0
+    degrees: IntArray = np.where(keeping, stage.plan.lobes[stage.mesh.materials], 0)
     return degrees if detail is None else detail.stored_degrees(degrees)
 
 

@@ -72,11 +72,16 @@ def lit_sides(
         reached[~reached] = walks.seen_through_slits(places[~reached], (seed, 4))
         found = owner[reached]
         lit[patches[found], sides[found]] = True
+    return lit & open_sides(world, labels)
+
+
+def open_sides(world: World, labels: IntArray) -> BoolArray:
+    """Sides (n_patches, 2) that are sides of their own; labels (n_t,) are the patches of the traced triangles."""
+    sides = np.ones((int(labels.max()) + 1, 2), dtype=np.bool_)
     # The back of a face that lies back to back with another is the other's front.
-    open_back = np.zeros(len(lit), dtype=np.bool_)
-    open_back[labels[world.caster.backs < 0]] = True
-    lit[:, 1] &= open_back
-    return lit
+    sides[:, 1] = False
+    sides[labels[world.caster.backs < 0], 1] = True
+    return sides
 
 
 def buried(
@@ -95,7 +100,7 @@ def buried(
     keep, name : remembers what was found out under this name, if anything shall
     """
     walks = _Walks(world, executor, keep or Keeper(), name)
-    receivers = surface_receivers(mesh, np.zeros(int(mesh.materials.max(initial=0)) + 1, dtype=np.int64))
+    receivers = surface_receivers(mesh, np.zeros(len(mesh), dtype=np.int64))
     dark = ~walks.reached(receivers, FEW_WALKS, (seed, 2))
     dark[dark] = ~walks.reached(receivers[dark], MANY_WALKS, (seed, 3))
     dark[dark] = ~walks.seen_through_slits(receivers[dark], (seed, 5))

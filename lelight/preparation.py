@@ -15,7 +15,7 @@ from lelight.errors import SceneError
 from lelight.estimate.base import BaseField, solve_base
 from lelight.estimate.defect import with_starts
 from lelight.estimate.direct import with_clear_share
-from lelight.estimate.variants import VARIANTS
+from lelight.estimate.variants import DIRECT_ONLY, VARIANTS, Variant
 from lelight.mesh.grading import graded
 from lelight.mesh.locate import patch_sides
 from lelight.mesh.neighbours import alike
@@ -25,9 +25,11 @@ from lelight.mesh.probes import Probes, draw_probes
 from lelight.mesh.refinement import refine
 from lelight.mesh.remesh import default_edge, remesh
 from lelight.metrics.grid import grid_points
-from lelight.pilot import buried, lit_sides, stepped_aside, touching
+from lelight.pilot import buried, lit_sides, open_sides, stepped_aside, touching
 from lelight.places import Places, further_places
-from lelight.plan import Decision, Plan, make_plan
+from lelight.plan import ASKED, Decision, Plan, make_plan
+from lelight.plancost import no_cost
+from lelight.reach import in_channels, reached_materials, seen_sides
 from lelight.receivers import Receivers, joined, space_receivers, surface_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 from lelight.settings import Settings
@@ -70,6 +72,7 @@ class Stage:
     probes : points between the nodes
     further : places beside grid points and eyes, in the order of their receivers, the last of all
     neighbours : (n, 7) int, visible nodes around each
+    variant : how indirect light is estimated
     """
 
     world: World
@@ -83,6 +86,7 @@ class Stage:
     probes: Probes
     further: tuple[Places, ...]
     neighbours: IntArray
+    variant: Variant
 
 
 @dataclass(frozen=True)
@@ -107,9 +111,9 @@ class _Site:
 
 def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) -> Stage:
     """Plan, remesh, find the lit sides and the buried nodes, list the receivers."""
-    plan = make_plan(scene, method=settings.method, relightable=settings.relightable)
+    plan = make_plan(scene, method=settings.method, forced=settings)
     labels = patches(scene)
-    edge = settings.edge or default_edge(scene) * settings.values.edge_scale
+    edge = settings.edge or default_edge(scene) * settings.edge_scale
     world = build_world(scene, plan.channels)
     require_absorption(scene, world)
     require_clear_emitters(scene, world)
@@ -119,23 +123,47 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) 
     if not len(mesh):
         raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
     keep.clock.lap("pilot")
+    reached = reached_materials(scene, labels, lit)
+    plan = make_plan(scene, method=settings.method, forced=settings, reached=reached)
+    world = in_channels(world, scene, plan.channels)
+    site = replace(site, world=world)
     grids = tuple(grid_points(plane) for plane in scene.planes)
     probes = draw_probes(mesh, scene.corners, labels, seed=settings.seed)
     further = further_places(scene, grids, world.caster)
-    receivers = _receivers(scene, mesh, plan, grids, probes, further)
-    sides = Decision(
-        "sides", f"{int(lit.sum())} of {2 * len(lit)} patch sides carry nodes", "the others receive no light"
-    )
-    plan = replace(plan, decisions=(*plan.decisions, sides))
+    seen, kept = seen_sides(scene, world, mesh, plan)
+    degrees = plan.degrees[mesh.materials] * seen[mesh.patches, np.where(mesh.sides > 0, 0, 1)]
+    receivers = _receivers(scene, mesh, degrees, grids, probes, further)
+    decided = (*plan.decisions, _sides(plan, mesh, lit), *([kept] if kept else []))
+    plan = replace(plan, decisions=decided)
     receivers = _with_clear_share(site, receivers, "clear share")
-    base = None
-    if VARIANTS[settings.estimator].on_base:
+    base, variant = None, chosen_variant(plan, settings)
+    if variant.on_base:
         base = _base(site, placed, receivers[slice(0, len(mesh))], edge)
         if base.spots:
             plan = replace(plan, decisions=(*plan.decisions, SPOTS))
     keep.clock.lap("base")
     neighbours = alike(mesh.positions, mesh.normals, left_out=mesh.hidden)
-    return Stage(world, labels, mesh, receivers, grids, edge, plan, base, probes, further, neighbours)
+    return Stage(
+        world, labels, mesh, receivers, grids, edge, plan, base, probes, further, neighbours, variant
+    )
+
+
+def chosen_variant(plan: Plan, settings: Settings) -> Variant:
+    """Estimator that is asked for, less what the plan leaves out."""
+    if not plan.indirect:
+        return DIRECT_ONLY
+    variant = VARIANTS[settings.estimator]
+    if plan.residual or variant.near != "rest":
+        return variant
+    return VARIANTS["shortened" if variant.on_base else "clamped"]
+
+
+def _sides(plan: Plan, mesh: NodeMesh, lit: BoolArray) -> Decision:
+    value = f"{int(lit.sum())} of {2 * len(lit)} patch sides carry nodes"
+    if plan.sides == "both":
+        return Decision("sides", value, ASKED, no_cost(f"{len(mesh)} nodes"))
+    more = 2.0 * len(lit) / max(int(lit.sum()), 1)
+    return Decision("sides", value, "the others receive no light", no_cost(f"both sides x {more:.2g}"))
 
 
 def _placed(site: _Site, edge: float) -> Placed:
@@ -148,7 +176,10 @@ def _placed(site: _Site, edge: float) -> Placed:
     )
     keep.clock.lap("remesh")
     seed, executor = site.settings.seed, site.executor
-    lit = lit_sides(scene, site.world, labels=labels, seed=seed, executor=executor, keep=keep)
+    if site.settings.sides == "both":
+        lit = open_sides(site.world, labels)
+    else:
+        lit = lit_sides(scene, site.world, labels=labels, seed=seed, executor=executor, keep=keep)
     placed = _seen_nodes(site, surface, lit, "buried")
     for number in range(ROUNDS if site.settings.adaptive else 0):
         asked = _asked(site, surface, placed, f"mesh/bent {number}")
@@ -186,6 +217,8 @@ def _seen_nodes(site: _Site, surface: SurfaceMesh, lit: BoolArray, name: str) ->
     taken = crowded(world, mesh, site.labels)
     require_room(scene, world, hide(mesh, hidden), taken)
     hidden |= taken
+    if site.settings.sides == "both":
+        return Placed(hide(mesh, hidden), lit)
     seen = np.zeros_like(lit)
     seen[mesh.patches[~hidden], np.where(mesh.sides[~hidden] > 0, 0, 1)] = True
     kept = seen[mesh.patches, np.where(mesh.sides > 0, 0, 1)]
@@ -264,13 +297,13 @@ def require_absorption(scene: Scene, world: World) -> None:
 def _receivers(
     scene: Scene,
     mesh: NodeMesh,
-    plan: Plan,
+    degrees: IntArray,
     grids: tuple[tuple[FloatArray, tuple[int, int]], ...],
     probes: Probes,
     further: tuple[Places, ...],
 ) -> Receivers:
-    """Nodes first, then the points of all planes, then the eyes, then the probes, then the further places."""
-    parts = [surface_receivers(mesh, plan.degrees)]
+    """Nodes of degrees (n,), then points of all planes, then eyes, then probes, then further places."""
+    parts = [surface_receivers(mesh, degrees)]
     for plane, (points, _) in zip(scene.planes, grids, strict=True):
         parts.append(space_receivers(points, _repeated(plane.normal, points), doublings=PLANE_DOUBLINGS))
     for eye in scene.observers:

@@ -58,12 +58,12 @@ class Receivers:
         return [self[slice(first, first + size)] for first in range(0, len(self), size)]
 
 
-def surface_receivers(mesh: NodeMesh, material_degrees: IntArray) -> Receivers:
-    """Take the nodes of a mesh; ``material_degrees`` (n_materials,) says what angular detail to keep."""
+def surface_receivers(mesh: NodeMesh, degrees: IntArray) -> Receivers:
+    """Take the nodes of a mesh; ``degrees`` (n,) says what angular detail each keeps."""
     return replace(
         with_surface(space_receivers(mesh.positions, mesh.normals)),
         frames_x=mesh.frames_x,
-        degrees=material_degrees[mesh.materials],
+        degrees=degrees,
         materials=mesh.materials,
     )
 

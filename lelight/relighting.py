@@ -20,9 +20,10 @@ from lelight.field import RadianceField
 from lelight.harmonics.indices import terms
 from lelight.harmonics.zonal import largest_exponent, reflected
 from lelight.incident import IncidentLight
-from lelight.plan import BLUNT_EXPONENT, make_plan, stored_degree
+from lelight.plan import make_plan
 from lelight.reading.inputfile import quoted
 from lelight.scene import IntArray, Scene
+from lelight.storeddegree import BLUNT_EXPONENT, stored_degree
 from lelight.tracing.world import World, build_world
 
 
@@ -52,18 +53,23 @@ def relit(field: RadianceField, scene: Scene) -> RadianceField:
     if make_plan(scene).channels > field.world.channels:
         raise OutputError("a coloured material in a grey run; run `lelight calc` with a colour in the scene")
     world = build_world(scene, field.world.channels)
-    degrees = np.array([stored_degree(material) for material in scene.materials])
+    lobes = np.array([stored_degree(material) for material in scene.materials], dtype=np.int64)
     for material in changed:
-        _require_kept(field, scene, int(material), int(degrees[material]))
+        _require_kept(field, scene, int(material), int(lobes[material]))
     values = field.values
-    sh_degree = degrees[field.mesh.materials]
+    # Nodes on sides that no observer sees keep no directions: there view rays are reflected.
+    keeping = np.zeros(len(field.mesh), dtype=np.bool_)
+    if field.incident is not None:
+        keeping[field.incident.nodes] = True
+    of_changed = np.isin(field.mesh.materials, changed)
+    sh_degree = np.where(of_changed, lobes[field.mesh.materials] * keeping, values.sh_degree)
     width = max(terms(int(sh_degree.max(initial=0))), values.radiance_sh.shape[1])
     radiance = np.zeros((len(field.mesh), width, field.world.channels), dtype=np.float32)
     radiance[:, : values.radiance_sh.shape[1]] = values.radiance_sh
     for material in changed:
         own = np.flatnonzero(field.mesh.materials == material)
         radiance[own] = 0.0
-        reflection = _reflection(field, world, own, int(material))
+        reflection = _reflection(field, world, lobes, own, int(material))
         radiance[own, : reflection.shape[1]] = reflection
     return replace(
         field,
@@ -73,12 +79,14 @@ def relit(field: RadianceField, scene: Scene) -> RadianceField:
             values,
             radiance_sh=radiance,
             sh_degree=sh_degree,
-            truncation=_truncation(field, world, changed),
+            truncation=_truncation(field, world, lobes, changed),
         ),
     )
 
 
-def _truncation(field: RadianceField, world: World, changed: IntArray) -> NDArray[np.float64]:
+def _truncation(
+    field: RadianceField, world: World, lobes: IntArray, changed: IntArray
+) -> NDArray[np.float64]:
     """State anew what the degrees of the changed materials leave out (n,)."""
     errors = field.values.truncation
     errors = np.zeros(len(field.mesh)) if errors is None else errors.copy()
@@ -89,17 +97,22 @@ def _truncation(field: RadianceField, world: World, changed: IntArray) -> NDArra
         kept = np.flatnonzero(own[incident.nodes])
         nodes = incident.nodes[kept]
         coefficients = incident.coefficients[kept].astype(np.float64)
-        errors[nodes] = harmonic_truncation(coefficients, field.mesh.materials[nodes], world.reflectances)
+        errors[nodes] = harmonic_truncation(
+            coefficients, field.mesh.materials[nodes], world.reflectances, lobes
+        )
     return errors
 
 
-def _reflection(field: RadianceField, world: World, nodes: IntArray, material: int) -> NDArray[np.float64]:
+def _reflection(
+    field: RadianceField, world: World, lobes: IntArray, nodes: IntArray, material: int
+) -> NDArray[np.float64]:
     """Coefficients (k, T, C) of what nodes of a material reflect."""
     reflectances = world.reflectances
-    specular, degree = stored_lobe(reflectances, material)
+    specular, degree = stored_lobe(reflectances, lobes, material)
     light = np.zeros((len(nodes), terms(degree), world.channels))
     if degree and field.incident is not None:
-        light[:] = field.incident.coefficients[np.searchsorted(field.incident.nodes, nodes), : terms(degree)]
+        _, at, kept = np.intersect1d(nodes, field.incident.nodes, return_indices=True)
+        light[at] = field.incident.coefficients[kept, : terms(degree)]
     return reflected(
         light,
         field.values.illuminance[nodes],
@@ -129,7 +142,8 @@ def _require_kept(field: RadianceField, scene: Scene, material: int, degree: int
 
 
 def _kept_degree(incident: IncidentLight | None, nodes: IntArray) -> int:
-    """Degree to which all of the nodes (k,) keep arriving light."""
-    if incident is None or not np.isin(nodes, incident.nodes).all() or not len(nodes):
+    """Degree to which those of the nodes (k,) that keep arriving light keep it, 0 where none does."""
+    if incident is None:
         return 0
-    return int(incident.degrees[np.searchsorted(incident.nodes, nodes)].min())
+    kept = incident.degrees[np.isin(incident.nodes, nodes)]
+    return int(kept.min()) if len(kept) else 0

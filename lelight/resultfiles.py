@@ -180,7 +180,7 @@ RUN = table(
     | dict.fromkeys(("rays", "chains", "vertices", "replicates", "doublings", "nodes", "hidden_nodes"), count)
     | {
         "seed": count,
-        "plan": items(table({"decision": text, "value": nested, "reason": text})),
+        "plan": items(table({"decision": text, "value": nested, "reason": text, "cost": text})),
         "settings": table(others=plain),
         "effort": table(others=number),
         "seconds": table(others=number),

@@ -7,9 +7,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Literal
 
+from lelight.dial import edge_scale
+from lelight.dialvalues import PRESET_POINTS
 from lelight.estimate.variants import Estimator
 from lelight.harmonics.hemigrid import Extension
-from lelight.plan import Method
+from lelight.plan import Forced, Method
 
 Preset = Literal["draft", "normal", "fine"]
 
@@ -32,15 +34,15 @@ class PresetValues:
 
 
 PRESETS: dict[Preset, PresetValues] = {
-    "draft": PresetValues(target=0.08, edge_scale=1.8, picture_size=500, picture_samples=1),
-    "normal": PresetValues(target=0.02, edge_scale=1.0, picture_size=800, picture_samples=4),
-    "fine": PresetValues(target=0.01, edge_scale=0.7, picture_size=1000, picture_samples=9),
+    "draft": PresetValues(*PRESET_POINTS["draft"], picture_size=500, picture_samples=1),
+    "normal": PresetValues(*PRESET_POINTS["normal"], picture_size=800, picture_samples=4),
+    "fine": PresetValues(*PRESET_POINTS["fine"], picture_size=1000, picture_samples=9),
 }
 
 
 @dataclass(frozen=True)
-class Settings:
-    """The choices of a run.
+class Settings(Forced):
+    """The choices of a run, and those of its plan that are forced.
 
     Attributes
     ----------
@@ -50,7 +52,6 @@ class Settings:
     edge : float or None; edge length of the node mesh in m, None for the scene's size and the preset
     directions : int or None; directions of the hemisphere grid, only for method ``grid``
     extension : how the fit to that grid goes on below the horizon
-    relightable : float or None; exponent up to which all nodes keep what `lelight.relighting` needs
     seed : int, of every random number
     threads : int
     batches : int or None; exactly so many replicates, without doubling, instead of a target
@@ -67,7 +68,6 @@ class Settings:
     edge: float | None = None
     directions: int | None = None
     extension: Extension = "least_squares"
-    relightable: float | None = None
     seed: int = 0
     threads: int = 0
     batches: int | None = None
@@ -83,6 +83,11 @@ class Settings:
     def target_error(self) -> float:
         """Relative standard error to reach."""
         return self.target if self.target is not None else self.values.target
+
+    @property
+    def edge_scale(self) -> float:
+        """Edge of the node mesh against the default of the scene's size: the preset's, or what goes with the target."""
+        return self.values.edge_scale if self.target is None else edge_scale(self.target)
 
     @property
     def workers(self) -> int:

@@ -47,7 +47,7 @@ class ViewRays:
     ----------
     scene, world : the scene as it was read, and as it is traced
     glossy_world : the same with Phong lobes only
-    mirrors : (n_materials,) bool, whose Phong lobes send rays on
+    mirrors : (n_t, 2) bool, fronts and backs of triangles whose Phong lobes send rays on
     deepest : int, mirrors behind mirrors that are followed
     """
 
@@ -99,7 +99,7 @@ class ViewRays:
         surfaces = [here]
         for depth in range(self.deepest + 1):
             glossy = self.world.reflectances.specular_share[here.materials] > 0
-            mirrored = glossy & self.mirrors[here.materials]
+            mirrored = glossy & self.on_mirrors(here)
             images = self._showing_images(here, np.flatnonzero(glossy & ~mirrored))
             self._add_images(radiance, here, images, identity, depth, log2_images)
             onward = self._add_images(
@@ -110,6 +110,13 @@ class ViewRays:
             here, log2_images, log2_mirrored = onward, 0, 0
             surfaces.append(here)
         return Seen(radiance, joined_paths(surfaces))
+
+    def on_mirrors(self, paths: Paths) -> BoolArray:
+        """Say which surfaces (k,) send rays on, where they are glossy."""
+        return np.asarray(self.mirrors[paths.triangles, np.where(self._on_fronts(paths), 0, 1)])
+
+    def _on_fronts(self, paths: Paths) -> BoolArray:
+        return np.asarray(np.einsum("kx,kx->k", paths.normals, self.world.normals[paths.triangles]) > 0)
 
     def _showing_images(self, here: Paths, glossy: IntArray) -> IntArray:
         """Keep the surfaces in whose lobes an emitter may be seen."""
@@ -147,7 +154,7 @@ class ViewRays:
         """Luminance (k, C) that surfaces emit toward where the paths came from."""
         emitters = self.world.emitters
         source = emitters.of_triangle[paths.triangles]
-        front = np.einsum("kx,kx->k", paths.normals, self.world.normals[paths.triangles]) > 0
+        front = self._on_fronts(paths)
         luminance = np.zeros((len(source), self.world.channels))
         shining = source >= 0
         shining[shining] &= front[shining] | emitters.both_sides[source[shining]]

@@ -28,6 +28,7 @@ from lelight.pipelines.folder import (
     write_tables,
 )
 from lelight.pipelines.likeness import SHARED_SETTINGS, settings_like
+from lelight.pipelines.pacing import paced
 from lelight.pipelines.record import run_record
 from lelight.pipelines.resuming import Resume, checkpoint, is_finished
 from lelight.settings import Settings
@@ -88,7 +89,9 @@ def run_calc(
         folder = checkpoint(out, identity, resume=resume, tell=tell)
         read = perf_counter() - started
         announce("estimating")
-        run = calculate(scene, settings, like=sampling, progress=progress, keep=Keeper(folder, stop=stop))
+        keep = Keeper(folder, stop=stop)
+        dialled, pace = paced(scene, settings, keep, spent=read)
+        run = calculate(scene, dialled, like=sampling, pace=pace, progress=progress, keep=keep)
         announce("writing")
         for warning in _write(scene_path, out, run, read, identity):
             warn(warning)
@@ -128,6 +131,8 @@ def _write(
 
 def _sights(run: Calculation) -> tuple[Sight, ...]:
     """Look through every observer's eyes."""
+    if run.settings.pictures is False:
+        return ()
     preset = run.settings.values
     with ThreadPoolExecutor(max_workers=run.settings.workers) as executor:
         return tuple(

@@ -1,4 +1,4 @@
-"""``lelight check``: everything about a scene that can be said without tracing a ray."""
+"""``lelight check``: everything about a scene that the files and a short run on a coarse mesh tell."""
 
 from __future__ import annotations
 
@@ -6,64 +6,42 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
+from lelight.forecast import Forecast, forecast
 from lelight.luminaires import have_direction
-from lelight.mesh.grading import graded
-from lelight.mesh.patches import patches
-from lelight.mesh.remesh import default_edge, remesh
 from lelight.pipelines.beginning import begin, default_out
-from lelight.plan import Plan, make_plan
+from lelight.plan import Plan
 from lelight.reading.lint import Finding, MaterialRow, lint, material_table
 from lelight.scene import Scene
 from lelight.settings import Settings
 
-#: Rays a node took to reach a relative error of 1 on the example scenes; the square of the target divides
-#: them.
-RAYS_AT_UNIT_ERROR = 2.5
-#: Rays a second and thread with everything around them, on the machine where the examples were measured.
-RAYS_PER_SECOND = 1.3e6
-#: Bytes for each node without angular detail, and for everything before the first node.
-BYTES_PER_NODE, BYTES_AT_REST = 6_000, 3.5e8
-
 
 @dataclass(frozen=True)
 class Check:
-    """What a look at the files tells.
+    """What a look at a scene tells.
 
     Attributes
     ----------
-    nodes : int, vertices of the node mesh, one side
-    seconds, memory : float, s and bytes that a run is expected to take
+    plan : as a short run on a coarse mesh found it
+    forecast : what a run is expected to take and to reach
     """
 
     scene: Scene
     plan: Plan
     materials: tuple[MaterialRow, ...]
     findings: tuple[Finding, ...]
-    edge: float
-    nodes: int
-    seconds: float
-    memory: float
+    forecast: Forecast
 
 
 def run_check(scene_path: Path, *, settings: Settings, given: Collection[str] = ()) -> Check:
-    """Read, plan, lint and remesh a scene, and foretell what a run will take."""
+    """Read, lint and plan a scene, and foretell what a run will take."""
     scene = begin(scene_path, settings, given=given)
-    settings = settings.over(scene.settings)
-    plan = make_plan(scene, method=settings.method, relightable=settings.relightable)
-    edge = settings.edge or default_edge(scene) * settings.values.edge_scale
-    labels = patches(scene)
-    nodes = len(graded(remesh(scene, labels, edge=edge), scene, labels).vertices)
-    rays = nodes * RAYS_AT_UNIT_ERROR / settings.target_error**2
-    detail = 8 * (plan.degree + 1) ** 2 * plan.channels * 3
+    found, run = forecast(scene, settings)
     return Check(
         scene=scene,
-        plan=plan,
+        plan=run.plan,
         materials=material_table(scene),
         findings=lint(scene),
-        edge=edge,
-        nodes=nodes,
-        seconds=rays / (RAYS_PER_SECOND * settings.workers),
-        memory=BYTES_AT_REST + nodes * (BYTES_PER_NODE + detail * (plan.degree > 0)),
+        forecast=found,
     )
 
 

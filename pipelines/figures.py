@@ -35,17 +35,22 @@ def figures(run: Calculation, sights: tuple[Sight, ...], stems: dict[str, dict[s
     lamps = lamps_of(run.field)
     observers = {
         values.observer.name: _observer_figures(run, values, sight, lamps)
-        for values, sight in zip(run.observers, sights, strict=True)
+        for values, sight in zip(_looking(run, sights), sights, strict=True)
     }
     planes = {values.plane.name: _plane_figures(values, lamps) for values in run.planes}
     table = metrics(planes, observers, room=_room(run))
     for values in run.planes:
         table["planes"][values.plane.name] |= _plane(values, stems["planes"])
-    for sight, seen in zip(sights, run.observers, strict=True):
+    for sight, seen in zip(sights, _looking(run, sights), strict=True):
         name = sight.observer.name
         table["observers"][name] |= _observer(sight, stems["observers"])
         table.setdefault("views", {})[name] = _view(sight, seen)
     return table
+
+
+def _looking(run: Calculation, sights: tuple[Sight, ...]) -> tuple[ObserverValues, ...]:
+    """Observers that took a picture: all, or none where the plan leaves pictures out."""
+    return run.observers if sights else ()
 
 
 def _plane_figures(values: PlaneValues, lamps: Spectrum | None) -> dict[str, Figure]:

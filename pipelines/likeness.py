@@ -9,12 +9,14 @@ from pathlib import Path
 from lelight.estimate.samplingplan import SamplingPlan
 from lelight.pipelines.folder import REPLICATES
 from lelight.pipelines.results import read_run
+from lelight.plan import Forced
 from lelight.settings import Settings
 from lelight.writing.replicatesfile import read_replicates
 
 #: Settings that two runs share where their random numbers are to be the same.
 SHARED_SETTINGS = frozenset(
-    {"preset", "method", "edge", "directions", "extension", "relightable", "seed", "adaptive", "estimator"}
+    {"preset", "method", "edge", "directions", "extension", "seed", "adaptive", "estimator"}
+    | {field.name for field in fields(Forced)}
 )
 
 

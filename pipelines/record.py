@@ -11,13 +11,13 @@ import lelight
 from lelight.calculation import Calculation
 from lelight.checkpoint.identity import Identity, fingerprint
 from lelight.course import Standing
-from lelight.estimate.variants import VARIANTS
 from lelight.harmonics.zonal import beam_error
 from lelight.luminaires import Luminaire
 from lelight.photometry.zones import luminous_flux
 from lelight.pipelines.angular import angular_record
 from lelight.pipelines.datasheets import data_sheets
-from lelight.plan import LARGEST_STORED_EXPONENT, stored_degree
+from lelight.plan import Decision
+from lelight.preparation import chosen_variant
 from lelight.reading.lint import material_rows
 from lelight.scene import PointLuminaire
 from lelight.versions import package_versions
@@ -44,10 +44,12 @@ def run_record(
         "scene": run.scene.name,
         "scene_file": scene_file,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "plan": [{"decision": d.name, "value": d.value, "reason": d.reason} for d in run.plan.decisions],
+        "plan": [_decision(d) for d in run.plan.decisions],
         "settings": run.settings.as_table()
         | {"edge": round(run.edge, 6), "target": run.settings.target_error},
-        "effort": vars(run.effort),
+        "effort": {
+            name: found for name, found in vars(run.effort).items() if not isinstance(found, np.ndarray)
+        },
         "seed": run.settings.seed,
         "seconds": _seconds(run, seconds),
         "rays": totals.rays,
@@ -70,6 +72,15 @@ def run_record(
         "data_sheets": data_sheets(run.scene.luminaires),
         "files": run.scene.files,
         "versions": package_versions(),
+    }
+
+
+def _decision(decision: Decision) -> dict[str, str]:
+    return {
+        "decision": decision.name,
+        "value": decision.value,
+        "reason": decision.reason,
+        "cost": str(decision.cost),
     }
 
 
@@ -141,13 +152,14 @@ def bias_statements(run: Calculation) -> list[str]:
         mesh_statement(run),
         "Sign: an estimate of almost no light that came out below zero is written as zero.",
     ]
-    if bias := VARIANTS[run.settings.estimator].bias:
+    if bias := chosen_variant(run.plan, run.settings).bias:
         statements.append(bias)
-    for material, degree in zip(run.scene.materials, run.plan.degrees, strict=True):
-        if degree and stored_degree(material):
-            share = beam_error(material.exponent, stored_degree(material))
+    lobes = list(zip(run.scene.materials, run.plan.lobes, strict=True))
+    for material, degree in lobes:
+        if degree and material.glossy:
+            share = beam_error(material.exponent, int(degree))
             statements.append(
-                f"Harmonics: gloss of {material.name} is stored to degree {stored_degree(material)}, "
+                f"Harmonics: gloss of {material.name} is stored to degree {degree}, "
                 f"{share:.2%} of the peak of its lobe for light from one direction."
             )
     if any(not isinstance(lamp, PointLuminaire) for lamp in run.scene.luminaires):
@@ -155,7 +167,7 @@ def bias_statements(run: Calculation) -> list[str]:
             "Luminaires: light of a photometric file is taken to leave its opening evenly; nearer than five sizes "
             "of it, and its closed form there by quadrature."
         )
-    if any(m.glossy and m.exponent > LARGEST_STORED_EXPONENT for m in run.scene.materials):
+    if any(material.glossy and degree == 0 for material, degree in lobes):
         statements.append("Mirrors: what a sharp lobe shows is interpolated at the surface it meets.")
     return statements
 

@@ -62,6 +62,7 @@ def _decision(decision: Mapping[str, Any], texts: Texts) -> dict[str, str]:
         "decision": words(str(decision.get("decision", MISSING))),
         "value": _plain(decision.get("value"), texts),
         "reason": str(decision.get("reason", "")),
+        "cost": str(decision.get("cost", "")),
     }
 
 

@@ -37,6 +37,7 @@ from lelight.settings import Settings
 EFFORT = Effort(log2_chains=5, log2_direct=2, log2_near=5, bound=0.107)
 DEGREE, ROUNDS, REPLICATES, NODES = 13, 7, 16, 100
 DIRECTIONS = (36, 64, 100, 196, 324, 576, 900, 1600)
+LOBES = np.array([DEGREE, 0])
 EXTENSIONS: tuple[Extension, ...] = ("least_squares", "even", "zero")
 
 
@@ -76,14 +77,24 @@ class Room:
         return coefficients[..., 0]
 
 
+def closed_form(degree: int) -> HarmonicDetail:
+    return HarmonicDetail(degree, 1, np.array([degree, 0]))
+
+
+def grid_plan() -> Plan:
+    return Plan(
+        1, "grid", LOBES, LOBES, indirect=True, residual=True, angular="all", sides="lit", decisions=()
+    )
+
+
 def costs(room: Room) -> None:
     """Print processor time against the diffuse estimate, medians of interleaved rounds."""
     reflectances = room.stage.world.reflectances
     ways: dict[str, tuple[int, AngularDetail | None]] = {"diffuse": (0, None)}
-    ways |= {f"sh, degree {degree}": (degree, HarmonicDetail(degree, 1)) for degree in (11, 13, 24, 48)}
-    plan = Plan(1, "grid", np.array([DEGREE, 0]), ())
+    ways |= {f"sh, degree {degree}": (degree, closed_form(degree)) for degree in (11, 13, 24, 48)}
+    plan = grid_plan()
     ways["grid, degree 13"] = (DEGREE, angular_detail(plan, reflectances))
-    ways["sampled, degree 13"] = (DEGREE, SampledDetail(DEGREE, reflectances))
+    ways["sampled, degree 13"] = (DEGREE, SampledDetail(DEGREE, reflectances, LOBES))
     spent: dict[str, list[float]] = {name: [] for name in ways}
     for turn in range(ROUNDS + 1):
         for name, (degree, detail) in ways.items():
@@ -109,8 +120,8 @@ def convergence(room: Room, picture: Path | None) -> None:
     """Print the rms difference of grid and closed form, relative to the mean luminance, for the same arrivals."""
     receivers = room.nodes(DEGREE, every=max(1, len(room.stage.mesh) // NODES))
     views = upper(500)
-    truth = room.radiance(receivers, HarmonicDetail(DEGREE, 1), 0) @ evaluate(DEGREE, views).T
-    plan = Plan(1, "grid", np.array([DEGREE, 0]), ())
+    truth = room.radiance(receivers, closed_form(DEGREE), 0) @ evaluate(DEGREE, views).T
+    plan = grid_plan()
     rows: dict[Extension, list[float]] = {extension: [] for extension in EXTENSIONS}
     print("rms difference of grid and sh by directions: " + ", ".join(EXTENSIONS))
     for directions in DIRECTIONS:
@@ -145,8 +156,8 @@ def variances(room: Room) -> None:
     basis = evaluate(DEGREE, upper(500)).T
     spread, mean = {}, {}
     ways = {
-        "closed form": HarmonicDetail(DEGREE, 1),
-        "drawn": SampledDetail(DEGREE, room.stage.world.reflectances),
+        "closed form": closed_form(DEGREE),
+        "drawn": SampledDetail(DEGREE, room.stage.world.reflectances, LOBES),
     }
     for name, detail in ways.items():
         seen = np.array([room.radiance(receivers, detail, k) @ basis for k in range(REPLICATES)])
@@ -165,7 +176,7 @@ def storage(room: Room) -> None:
         grid = (degree + 1) * (2 * degree + 1)
         print(f"  {exponent:4} {degree:3} {4 * terms(degree):7} {4 * grid:7} {grid / terms(degree):5.2f}")
     receivers = room.nodes(DEGREE)
-    found = room.radiance(receivers, HarmonicDetail(DEGREE, 1), 0).astype(np.float32)
+    found = room.radiance(receivers, closed_form(DEGREE), 0).astype(np.float32)
     padded = np.zeros_like(found)
     padded[:, 0] = found[:, 0]
     for name, stored in (("glossy", found), ("of degree 0", padded)):

@@ -20,9 +20,10 @@ from lelight.harmonics.hemigrid import HemisphereGrid
 from lelight.harmonics.indices import degrees
 from lelight.harmonics.zonal import lobe_coefficients
 from lelight.mesh.nodes import frames_x
-from lelight.plan import Plan, stored_degree
+from lelight.plan import Plan
 from lelight.receivers import space_receivers, with_surface
 from lelight.scene import Material
+from lelight.storeddegree import stored_degree
 from lelight.tracing.reflection import collect_reflectances
 
 EXACT = 1e-9
@@ -91,7 +92,18 @@ def stored_radiance(detail, receivers, arrivals, reflectances, views, degree):
 
 def details(reflectances, degree):
     grid = HemisphereGrid(2 * degree + 2, 2 * degree + 1)
-    return HarmonicDetail(degree, 3), GridDetail(grid, degree, reflectances)
+    return closed_form(degree), GridDetail(grid, degree, reflectances, np.array([degree]))
+
+
+def closed_form(degree):
+    return HarmonicDetail(degree, 3, np.array([degree]))
+
+
+def grid_plan(degree):
+    lobes = np.array([degree])
+    return Plan(
+        3, "grid", lobes, lobes, indirect=True, residual=True, angular="all", sides="lit", decisions=()
+    )
 
 
 def upper_views(count=300):
@@ -123,7 +135,7 @@ def test_a_mirrored_frame_would_be_noticed():
     turned = tuple(replace(part, directions=-part.directions) for part in arrivals)
     right = expected_radiance(receivers, arrivals, 64.0, views)
     degree = int(receivers.degrees[0])
-    wrong = stored_radiance(HarmonicDetail(degree, 3), receivers, turned, reflectances, views, degree)
+    wrong = stored_radiance(closed_form(degree), receivers, turned, reflectances, views, degree)
     assert np.abs(wrong - right).max() > 0.5 * right.max()
 
 
@@ -176,7 +188,8 @@ def test_a_material_that_is_not_stored_keeps_its_constant_only():
         degrees=np.array([stored_degree(m) for m in (materials[0], materials[1], materials[0])]),
     )
     kept = np.ones((3, (receivers.degrees.max() + 1) ** 2, 1))
-    coefficients = HarmonicDetail(int(receivers.degrees.max()), 1).coefficients(
+    lobes = receivers.degrees[:2]
+    coefficients = HarmonicDetail(int(lobes.max()), 1, lobes).coefficients(
         kept, receivers=receivers, illuminance=np.ones((3, 1)), reflectances=reflectances
     )
     assert coefficients[1, 0, 0] == pytest.approx(0.3 / np.pi * np.sqrt(4 * np.pi), rel=EXACT)
@@ -188,8 +201,8 @@ def test_grid_converges_to_the_closed_form_as_directions_grow():
     """Each of the three extensions to its own limit: none left, a kink and a jump at the horizon."""
     reflectances, receivers = made(16.0)
     arrivals, views, degree = arrivals_at(receivers), upper_views(), 13
-    truth = stored_radiance(HarmonicDetail(degree, 3), receivers, arrivals, reflectances, views, degree)
-    plan = Plan(3, "grid", receivers.degrees, ())
+    truth = stored_radiance(closed_form(degree), receivers, arrivals, reflectances, views, degree)
+    plan = grid_plan(degree)
     off = {}
     for extension in ("least_squares", "even", "zero"):
         for directions in (36, 100, 324, 900):
@@ -206,9 +219,9 @@ def test_grid_converges_to_the_closed_form_as_directions_grow():
 def test_drawn_directions_have_the_mean_of_the_closed_form():
     reflectances, receivers = made(16.0)
     arrivals, degree, draws = arrivals_at(receivers), 13, 400
-    sampled = SampledDetail(degree, reflectances)
+    sampled = SampledDetail(degree, reflectances, np.array([degree]))
     kept = [sampled.collect(receivers, arrivals, seed=(3, draw)) for draw in range(draws)]
-    closed = HarmonicDetail(degree, 3)
+    closed = closed_form(degree)
     options = {"receivers": receivers, "illuminance": np.ones((3, 3)), "reflectances": reflectances}
     expected = closed.coefficients(closed.collect(receivers, arrivals), **options)
     found = np.array([sampled.coefficients(each, **options) for each in kept])
@@ -234,12 +247,12 @@ def test_stated_truncation_is_what_is_left_out(exponent, beams):
     directions = directions[directions @ receiver.normals[0] > 0.05]
     light = Arrivals(np.zeros(len(directions), dtype=int), directions, np.ones((len(directions), 3)))
     degree, beyond = int(receiver.degrees[0]), 90
-    detail = HarmonicDetail(degree, 3)
+    detail = closed_form(degree)
     stated = detail.truncation(
         detail.collect(receiver, (light,)), receivers=receiver, reflectances=reflectances
     )
     further = replace(receiver, degrees=np.array([beyond]))
-    kept = luminance_weighted(SPECULAR * HarmonicDetail(beyond, 3).collect(further, (light,)))[0]
+    kept = luminance_weighted(SPECULAR * closed_form(beyond).collect(further, (light,)))[0]
     factors = (exponent + 2) / (exponent + 1) * lobe_coefficients(exponent, beyond)[degrees(beyond)]
     left_out = np.sqrt(np.sum((factors * kept)[(degree + 1) ** 2 :] ** 2) / (4 * np.pi))
     assert stated[0] == pytest.approx(left_out, rel=0.02 if beams == 1 else 0.6)
@@ -248,7 +261,7 @@ def test_stated_truncation_is_what_is_left_out(exponent, beams):
 def test_grid_states_what_its_fit_leaves():
     reflectances, receivers = made(16.0)
     arrivals = arrivals_at(receivers)
-    plan = Plan(3, "grid", receivers.degrees, ())
+    plan = grid_plan(13)
     coarse, fine = (angular_detail(plan, reflectances, directions=d) for d in (100, 900))
     errors = [
         detail.truncation(detail.collect(receivers, arrivals), receivers=receivers, reflectances=reflectances)

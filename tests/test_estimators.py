@@ -90,7 +90,7 @@ def base_of(scene: Scene, world, *, edge):
     labels = patches(scene)
     lit_sides = np.tile([True, False], (labels.max() + 1, 1))
     mesh = node_mesh(remesh(scene, labels, edge=edge), lit_sides)
-    nodes = surface_receivers(mesh, np.zeros(len(scene.materials), dtype=int))
+    nodes = surface_receivers(mesh, np.zeros(len(mesh), dtype=int))
     return solve_base(world, mesh, nodes, labels=labels, lit=lit_sides, seed=1, executor=THREADS)
 
 
@@ -302,11 +302,12 @@ def nodes_of_room(exponent=30.0):
     scene = glossy_room(0.4, 0.3, exponent)
     labels = patches(scene)
     mesh = node_mesh(remesh(scene, labels, edge=0.9), np.tile([True, False], (labels.max() + 1, 1)))
-    return build_world(scene, 1), surface_receivers(mesh, make_plan(scene).degrees)
+    return build_world(scene, 1), surface_receivers(mesh, make_plan(scene).degrees[mesh.materials])
 
 
 def one_batch(world, receivers, *, base, workers=2, seed=(3, 4)):
-    detail = HarmonicDetail(int(receivers.degrees.max()), 1)
+    degree = int(receivers.degrees.max())
+    detail = HarmonicDetail(degree, 1, np.array([degree, degree]))
     # Receivers that differ in effort, as a run's do.
     doublings = np.arange(len(receivers)) % 3 - 1
     receivers = replace(receivers, direct_doublings=doublings, near_doublings=-doublings)

@@ -408,7 +408,7 @@ def test_harmonics_of_any_degree(degree: int, exponent: float) -> None:
     receivers = replace(receivers, frames_x=np.array([[1.0, 0.0, 0.0]]), degrees=np.array([degree]))
     toward = np.array([[0.6, 0.0, 0.8]])
     beam = Arrivals(np.array([0]), toward, np.array([[1.25]]))  # 1 lx
-    kept = HarmonicDetail(degree, 1).collect(receivers, (beam,))
+    kept = HarmonicDetail(degree, 1, np.array([degree])).collect(receivers, (beam,))
     lobes = reflected(kept, np.array([[1.0]]), diffuse=np.zeros(1), specular=np.ones(1), exponent=exponent)
     assert lobes[0, 0, 0] == pytest.approx((exponent + 2) / (exponent + 1) / math.sqrt(4 * math.pi), rel=1e-6)
     angle = np.linspace(-0.5, 1.4, 60)

@@ -10,13 +10,16 @@ import pytest
 from rooms import grey, lamp, lit
 from shapes import box
 
-from lelight.plan import make_plan, stored_degree
+from lelight.plan import Forced, make_plan
+from lelight.reach import without_dark_lamps
 from lelight.scene import Material
+from lelight.storeddegree import stored_degree
 
 
-def plan_of(*materials, luminaires=(), method="sh"):
+def plan_of(*materials, luminaires=(), method="sh", reached=None, **forced):
     scene = lit(*[box()] * len(materials), materials=list(materials), luminaires=luminaires)
-    return make_plan(scene, method=method)
+    reached = None if reached is None else np.array(reached)
+    return make_plan(scene, method=method, forced=Forced(**forced), reached=reached)
 
 
 def decision(plan, name):
@@ -99,9 +102,104 @@ def test_the_method_is_kept_and_named(method):
     assert decision(plan, "gloss of gloss").value.endswith(f"method {method}")
 
 
-def test_every_decision_has_a_reason():
+COLOURED = Material("accent", np.array([0.5, 0.4, 0.3]))
+
+
+def test_colour_that_no_light_reaches_costs_nothing_and_is_named():
+    plan = plan_of(grey("walls", 0.5), COLOURED, reached=[True, False])
+    assert plan.channels == 1
+    assert "accent" in decision(plan, "channels").reason
+    assert plan_of(grey("walls", 0.5), COLOURED, reached=[True, True]).channels == 3
+
+
+def test_a_coloured_lamp_counts_whether_its_own_surface_is_lit_or_not():
+    shining = replace(grey("lamp", 0.5), luminance=np.array([100.0, 90.0, 50.0]))
+    assert plan_of(grey("walls", 0.5), shining, reached=[True, False]).channels == 3
+
+
+def test_gloss_that_no_light_reaches_keeps_no_harmonics():
+    floor = grey("floor", 0.3, specular=0.1, exponent=64.0)
+    plan = plan_of(grey("carpet", 0.3), floor, reached=[True, False])
+    assert np.array_equal(plan.degrees, [0, 0])
+    assert decision(plan, "gloss of floor").value == "left out"
+    assert np.array_equal(plan_of(grey("carpet", 0.3), floor, reached=[True, True]).degrees, [0, 25])
+
+
+def test_a_hair_above_exponent_1_changes_no_decision():
+    plans = [plan_of(grey("gloss", 0.3, specular=0.1, exponent=n)) for n in (1.0, 1.0001)]
+    assert plans[0].degree == plans[1].degree == 13
+    assert [one.value for one in plans[0].decisions] == [one.value for one in plans[1].decisions]
+
+
+@pytest.mark.parametrize("lamps", [(), (lamp((1.0, 1.0, 1.0)),)])
+def test_what_reflects_nothing_is_left_to_direct_light(lamps):
+    plan = plan_of(grey("walls", 0.0, luminance=1.0), luminaires=lamps)
+    assert (plan.indirect, plan.residual) == (False, False)
+    assert "direct light is all" in decision(plan, "indirect light").reason
+    for reflecting in (grey("walls", 1e-3), grey("walls", 0.0, specular=1e-3, exponent=400.0)):
+        assert plan_of(reflecting).indirect
+
+
+def test_what_reflects_counts_only_where_light_gets():
+    materials = grey("walls", 0.0), grey("inside", 0.7)
+    assert not plan_of(*materials, reached=[True, False]).indirect
+    assert plan_of(*materials, reached=[True, True]).indirect
+
+
+def test_a_lamp_without_flux_is_dark_and_any_other_is_not():
+    dark, dim = lamp((1.0, 1.0, 1.0), intensity=0.0), lamp((1.0, 1.0, 1.0), intensity=1e-9)
+    scene = lit(box(), materials=[grey("walls", 0.5)], luminaires=(dark, dim))
+    assert without_dark_lamps(scene).luminaires == (dim,)
+
+
+@pytest.mark.parametrize(
+    ("asked", "found"),
+    [
+        ({"colour": "grey"}, {"channels": 1}),
+        ({"colour": "rgb"}, {"channels": 3}),
+        ({"colour": "bands"}, {"channels": 40}),
+        ({"degree": 11}, {"degree": 11}),
+        ({"degree": 0}, {"degree": 0}),
+        ({"mirrors": "stored"}, {"degree": 61}),
+        ({"mirrors": "reflected"}, {"degree": 0}),
+        ({"angular": "all"}, {"angular": "all"}),
+        ({"angular": "seen"}, {"angular": "seen"}),
+        ({"sides": "both"}, {"sides": "both"}),
+        ({"indirect": False}, {"indirect": False, "residual": False, "degree": 0}),
+        ({"residual": False}, {"residual": False, "indirect": True}),
+    ],
+)
+def test_every_decision_can_be_forced_and_says_so(asked, found):
+    materials = COLOURED, grey("gloss", 0.3, specular=0.1, exponent=20.0)
+    sharp = grey("sharp", 0.3, specular=0.1, exponent=400.0)
+    plan = plan_of(*materials, *([sharp] if "mirrors" in asked else []), **asked)
+    assert {name: getattr(plan, name) for name in found} == found
+    if "sides" not in asked:
+        assert any("[calc]" in one.reason for one in plan.decisions)
+
+
+def test_black_can_be_made_to_look_for_reflected_light():
+    assert plan_of(grey("walls", 0.0), indirect=True).indirect
+
+
+def test_costs_grow_with_what_is_carried():
+    costs = [
+        decision(plan_of(grey("walls", 0.5), colour=c), "channels").cost for c in ("grey", "rgb", "bands")
+    ]
+    assert [cost.time for cost in costs] == sorted({cost.time for cost in costs})
+    assert [cost.memory for cost in costs] == [384.0, 1152.0, 15360.0]
+    blunt, sharp = (
+        decision(plan_of(grey("gloss", 0.3, specular=0.1, exponent=n)), "gloss of gloss").cost
+        for n in (16.0, 64.0)
+    )
+    assert 1.0 < blunt.time < sharp.time
+    assert (blunt.memory, sharp.memory) == (32.0 * 14**2, 32.0 * 26**2)
+
+
+def test_every_decision_has_a_reason_and_a_cost():
     plan = plan_of(grey("gloss", 0.3, specular=0.1, exponent=20.0), grey("lamp", 0.3, luminance=1.0))
     for one in plan.decisions:
         assert one.name
         assert one.value
         assert one.reason
+        assert str(one.cost)

@@ -21,10 +21,10 @@ from lelight.estimate.angular import HarmonicDetail, angular_detail
 from lelight.estimate.batch import Effort, estimate_batch
 from lelight.harmonics.basis import evaluate
 from lelight.incident import IncidentLight
-from lelight.plan import lobe_degree
 from lelight.preparation import prepare
 from lelight.receivers import ILLUMINANCE
 from lelight.settings import Settings
+from lelight.storeddegree import lobe_degree
 from lelight.writing.incidentfile import read_incident, write_incident
 
 #: Tile of the room below: its side in m, and the number of directions in which it is looked at.
@@ -35,16 +35,17 @@ TILE, VIEWS, REPLICATES = 0.06, 24, 8
 def test_one_accumulation_serves_every_exponent(exponent):
     """Kept once for exponents up to 256, against the sum over the same arrivals of the lobes themselves."""
     _, receivers = made(256.0)
-    arrivals, views = arrivals_at(receivers), upper_views()
-    kept = HarmonicDetail(lobe_degree(256.0), 3).collect(receivers, arrivals)
+    arrivals, views, degree = arrivals_at(receivers), upper_views(), lobe_degree(256.0)
+    kept = HarmonicDetail(degree, 3, np.array([degree])).collect(receivers, arrivals)
     reflectances, _ = made(exponent)
     owner, _, light = irradiances(receivers, arrivals)
     illuminance = np.zeros((3, 3))
     np.add.at(illuminance, owner, light)
-    coefficients = HarmonicDetail(lobe_degree(256.0), 3).coefficients(
+    lobes = np.array([lobe_degree(exponent)])
+    coefficients = HarmonicDetail(degree, 3, lobes).coefficients(
         kept, receivers=receivers, illuminance=illuminance, reflectances=reflectances
     )
-    found = np.einsum("vt,rtc->rvc", evaluate(lobe_degree(256.0), views), coefficients)
+    found = np.einsum("vt,rtc->rvc", evaluate(degree, views), coefficients)
     expected = expected_radiance(receivers, arrivals, exponent, views)
     peaks = reflectances.specular[0] * (exponent + 2) / (2 * np.pi) * illuminance
     assert np.all(np.abs(found - expected) <= 0.01 * peaks[:, None, :] + 1e-9)
@@ -62,12 +63,14 @@ def room_with_tile(exponent):
     return lit(box((4.0, 3.0, 2.5)), tile, lamp, materials=materials)
 
 
-def tile_radiance(scene, reflectances=None, *, seed):
-    """Radiance (REPLICATES, VIEWS) of the tile's first node, by its own or by other materials."""
+def tile_radiance(scene, other=None, *, seed):
+    """Radiance (REPLICATES, VIEWS) of the tile's first node, by its own material or another stage's; and the stage."""
     settings = Settings(edge=0.6, relightable=64.0)
     with ThreadPoolExecutor(2) as executor:
         stage = prepare(scene, settings, executor, Keeper())
+        lit_by = other or stage
         detail = angular_detail(stage.plan, stage.world.reflectances)
+        detail = replace(detail, lobes=lit_by.plan.lobes)
         nodes = np.flatnonzero((stage.mesh.materials == 1) & (stage.mesh.sides == 1))[:1]
         receivers = stage.receivers[nodes]
         views = np.random.default_rng(5).normal(size=(VIEWS, 3))
@@ -88,10 +91,10 @@ def tile_radiance(scene, reflectances=None, *, seed):
                 batch.angular,
                 receivers=receivers,
                 illuminance=(batch.direct + batch.indirect)[:, ILLUMINANCE],
-                reflectances=reflectances or stage.world.reflectances,
+                reflectances=lit_by.world.reflectances,
             )
             rows.append(basis @ coefficients[0, :, 0])
-    return np.array(rows), stage.world.reflectances
+    return np.array(rows), stage
 
 
 def smallest_p(one, other):

@@ -52,6 +52,15 @@ batches = 16
 directions = 64
 relightable = 100
 extension = "even"
+colour = "rgb"
+degree = 11
+angular = "all"
+mirrors = "stored"
+sides = "both"
+indirect = true
+residual = false
+emitters = "all"
+pictures = false
 """
 
 LUMINAIRE = '[[luminaires]]\nname = "L"\nposition = [0, 0, 0]\n'
@@ -99,6 +108,15 @@ def test_every_key_arrives(tmp_path: Path) -> None:
         "directions": 64,
         "relightable": 100.0,
         "extension": "even",
+        "colour": "rgb",
+        "degree": 11,
+        "angular": "all",
+        "mirrors": "stored",
+        "sides": "both",
+        "indirect": True,
+        "residual": False,
+        "emitters": "all",
+        "pictures": False,
     }
 
 

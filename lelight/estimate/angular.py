@@ -19,11 +19,11 @@ from lelight.receivers import Receivers
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.reflection import Reflectances
 
-__all__ = ["AngularDetail", "GridDetail", "HarmonicDetail", "SampledDetail", "angular_detail"]
+__all__ = ["AngularDetail", "Collecting", "GridDetail", "HarmonicDetail", "SampledDetail", "angular_detail"]
 
 
-class AngularDetail(Protocol):
-    """What an estimator needs of a way to keep angular distributions."""
+class Collecting(Protocol):
+    """What an estimator needs of somebody who wants arrivals one by one."""
 
     @property
     def width(self) -> int:
@@ -33,6 +33,10 @@ class AngularDetail(Protocol):
         self, receivers: Receivers, arrivals: tuple[Arrivals, ...], *, seed: tuple[int, ...] = ()
     ) -> FloatArray:
         """Sum arrivals at r receivers into (r, width, C); what is drawn is drawn by the seed."""
+
+
+class AngularDetail(Collecting, Protocol):
+    """A way to keep angular distributions at nodes."""
 
     def coefficients(
         self, kept: FloatArray, *, receivers: Receivers, illuminance: FloatArray, reflectances: Reflectances
@@ -63,10 +67,10 @@ def angular_detail(
     if plan.degree == 0:
         return None
     if plan.method == "sh":
-        return HarmonicDetail(plan.degree, plan.channels)
+        return HarmonicDetail(plan.degree, plan.channels, plan.lobes)
     if plan.method == "sampled":
-        return SampledDetail(plan.degree, reflectances)
+        return SampledDetail(plan.degree, reflectances, plan.lobes)
     degree = plan.degree if directions is None else max(1, math.isqrt(directions // 4) - 1)
     rule: Rule = "legendre" if extension == "zero" else "gauss"
     grid = HemisphereGrid(zenith_count=2 * degree + 2, azimuth_count=2 * degree + 1, rule=rule)
-    return GridDetail(grid, min(plan.degree, grid.degree), reflectances, extension)
+    return GridDetail(grid, min(plan.degree, grid.degree), reflectances, plan.lobes, extension)

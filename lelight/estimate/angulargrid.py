@@ -27,12 +27,14 @@ class GridDetail:
     grid : directions over the hemisphere
     degree : int of the fit, at most the grid's
     reflectances : materials, whose lobes are evaluated in every direction of the grid
+    lobes : (n_materials,) int, degree to which the material's lobe is stored
     extension : how the fit goes on below the horizon; the Lambertian part is kept apart and needs none
     """
 
     grid: HemisphereGrid
     degree: int
     reflectances: Reflectances
+    lobes: IntArray
     extension: Extension = "least_squares"
 
     @property
@@ -80,7 +82,7 @@ class GridDetail:
         channels = kept.shape[2]
         specular = np.zeros((len(receivers), channels))
         for material in np.unique(receivers.materials):
-            specular[receivers.materials == material], _ = stored_lobe(reflectances, material)
+            specular[receivers.materials == material], _ = stored_lobe(reflectances, self.lobes, material)
         shape = (len(receivers), self.grid.zenith_count, self.grid.azimuth_count, channels)
         return np.asarray(kept.reshape(shape) * specular[:, None, None, :])
 

@@ -30,10 +30,12 @@ class HarmonicDetail:
     ----------
     degree : int, the largest of any node
     channels : int
+    lobes : (n_materials,) int, degree to which the material's lobe is stored
     """
 
     degree: int
     channels: int
+    lobes: IntArray
 
     @property
     def width(self) -> int:
@@ -62,7 +64,7 @@ class HarmonicDetail:
         radiance = np.zeros((len(receivers), self.width, self.channels))
         for material in np.unique(receivers.materials):
             own = receivers.materials == material
-            specular, degree = stored_lobe(reflectances, material)
+            specular, degree = stored_lobe(reflectances, self.lobes, material)
             width = terms(degree)
             radiance[own, :width] = reflected(
                 kept[own, :width],
@@ -79,7 +81,7 @@ class HarmonicDetail:
 
     def truncation(self, kept: FloatArray, *, receivers: Receivers, reflectances: Reflectances) -> FloatArray:
         """Extend the spectrum of the light over the degrees that are left out; see `AngularDetail`."""
-        return harmonic_truncation(kept, receivers.materials, reflectances, applied=False)
+        return harmonic_truncation(kept, receivers.materials, reflectances, self.lobes)
 
 
 @dataclass(frozen=True)
@@ -92,10 +94,12 @@ class SampledDetail:
     ----------
     degree : int, the largest of any node
     reflectances : materials, from whose lobes directions are drawn
+    lobes : (n_materials,) int, degree to which the material's lobe is stored
     """
 
     degree: int
     reflectances: Reflectances
+    lobes: IntArray
 
     @property
     def width(self) -> int:
@@ -124,7 +128,7 @@ class SampledDetail:
         radiance = np.zeros_like(kept)
         for material in np.unique(receivers.materials):
             own = receivers.materials == material
-            specular, degree = stored_lobe(reflectances, material)
+            specular, degree = stored_lobe(reflectances, self.lobes, material)
             width = terms(degree)
             radiance[own, :width] = specular * kept[own, :width]
         constant = reflectances.diffuse[receivers.materials] * illuminance / np.pi
@@ -137,22 +141,28 @@ class SampledDetail:
 
     def truncation(self, kept: FloatArray, *, receivers: Receivers, reflectances: Reflectances) -> FloatArray:
         """Extend the spectrum, noise included, over the degrees that are left out; see `AngularDetail`."""
-        return harmonic_truncation(kept, receivers.materials, reflectances, applied=True)
+        return harmonic_truncation(kept, receivers.materials, reflectances, self.lobes, applied=True)
 
 
 def harmonic_truncation(
-    kept: FloatArray, materials: IntArray, reflectances: Reflectances, *, applied: bool = False
+    kept: FloatArray,
+    materials: IntArray,
+    reflectances: Reflectances,
+    lobes: IntArray,
+    *,
+    applied: bool = False,
 ) -> FloatArray:
     """State truncation errors (r,) in cd/m² of light (r, T, C) that is kept at nodes of materials (r,).
 
     Parameters
     ----------
+    lobes : (n_materials,) int, degree to which the material's lobe is stored
     applied : whether lobes have been multiplied to what was kept
     """
     errors = np.zeros(len(kept))
     for material in np.unique(materials):
         own = materials == material
-        specular, degree = stored_lobe(reflectances, material)
+        specular, degree = stored_lobe(reflectances, lobes, material)
         if degree == 0:
             continue
         exponent = float(reflectances.exponent[material])

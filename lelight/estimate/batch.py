@@ -10,14 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
 
 from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import form_of
-from lelight.estimate.angular import AngularDetail
+from lelight.estimate.angular import Collecting
 from lelight.estimate.averaged import averaged_estimate
 from lelight.estimate.base import BaseField
 from lelight.estimate.chainwalk import all_vertices
@@ -48,12 +48,21 @@ class Effort:
     log2_direct : int, shadow rays to emitters for each receiver, as power of two
     log2_near : int, near-field rays for each receiver, as power of two
     bound : float, 1/m²; b that splits the kernel between chains and near field
+    variance, cost : (3,) float, what trials found of the parts (chains, direct light, near field) for one sample each:
+        square of the relative error, and rays a receiver, weighed by how long they take; 0 where nothing was tried
     """
 
     log2_chains: int
     log2_direct: int
     log2_near: int
     bound: float
+    variance: FloatArray = field(default_factory=lambda: np.zeros(3), compare=False)
+    cost: FloatArray = field(default_factory=lambda: np.zeros(3), compare=False)
+
+    @property
+    def samples(self) -> FloatArray:
+        """Samples (3,) of the parts in one batch."""
+        return np.asarray(2.0 ** np.array([self.log2_chains, self.log2_direct, self.log2_near]))
 
 
 @dataclass(frozen=True)
@@ -91,7 +100,7 @@ def estimate_batch(
     effort: Effort,
     seed: tuple[int, int],
     base: BaseField | None,
-    detail: AngularDetail | None,
+    detail: Collecting | None,
     executor: Executor,
     doubling: int = 0,
     variant: Variant | None = None,
@@ -152,7 +161,7 @@ def _estimate_block(
     doubling: int,
     seed: tuple[int, int],
     base: BaseField | None,
-    detail: AngularDetail | None,
+    detail: Collecting | None,
     room: float,
 ) -> Batch:
     """Estimate at one block of receivers, as many of them at once as there is room for."""
@@ -201,7 +210,7 @@ def _estimate_piece(
     doubling: int,
     seed: tuple[int, int],
     base: BaseField | None,
-    detail: AngularDetail | None,
+    detail: Collecting | None,
 ) -> Batch:
     """Let chains, emitters and near surfaces light some receivers of one degree."""
     times = [perf_counter()]
@@ -314,7 +323,7 @@ def _assembled(
     blocks: list[IntArray],
     parts: Iterator[Batch],
     channels: int,
-    detail: AngularDetail | None,
+    detail: Collecting | None,
 ) -> Batch:
     """Put the blocks back in the receivers' order."""
     count = len(receivers)

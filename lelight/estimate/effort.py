@@ -29,7 +29,7 @@ from lelight.estimate.batch import (
 )
 from lelight.estimate.chainwalk import chain_vertices
 from lelight.estimate.direct import direct_light
-from lelight.estimate.replicates import DARK_SHARE
+from lelight.estimate.replicates import DARK_SHARE, LEAST_REPLICATES
 from lelight.estimate.variants import VARIANTS, Variant
 from lelight.mesh.neighbours import alike, half_pooled, most_alike
 from lelight.receivers import ILLUMINANCE, Receivers
@@ -171,9 +171,15 @@ def _chosen(
     variance, cost = spread.shared_out(direct, near, areas[tried])
     samples = _samples(variance, cost, target)
     samples *= min(1.0, batches * most_rays / (len(receivers) * float(samples @ cost)))
-    log2 = [round(float(np.log2(max(1.0, count / batches)))) for count in samples]
-    log2 = [min(max(least, each), MOST) for each, least in zip(log2, LEAST, strict=True)]
-    effort = Effort(log2_chains=log2[0], log2_direct=log2[1], log2_near=log2[2], bound=bound)
+    log2 = _log2_samples(samples, batches)
+    effort = Effort(
+        log2_chains=log2[0],
+        log2_direct=log2[1],
+        log2_near=log2[2],
+        bound=bound,
+        variance=variance,
+        cost=cost,
+    )
     if len(tried) < len(receivers):
         own = most_alike(receivers.points, receivers.normals, tried)
         direct, near = direct[own], near[own]
@@ -219,6 +225,29 @@ def _samples(variance: FloatArray, cost: FloatArray, target: float) -> FloatArra
     """Count the samples of each part (3,) that together reach the target with the fewest rays."""
     variance, cost = np.maximum(variance, 1e-12), np.maximum(cost, 1e-3)
     return np.asarray(np.sqrt(variance / cost) * np.sqrt(variance * cost).sum() / target**2)
+
+
+def _log2_samples(samples: FloatArray, batches: float) -> list[int]:
+    """Share samples out over batches: those of each part in one, as powers of two, within bounds."""
+    log2 = [round(float(np.log2(max(1.0, count / batches)))) for count in samples]
+    return [min(max(least, each), MOST) for each, least in zip(log2, LEAST, strict=True)]
+
+
+def batches_for(effort: Effort, target: float, *, batches: float) -> tuple[float, FloatArray]:
+    """Batches that a run to a target takes if it is sized for so many, and samples (3,) of the parts in one.
+
+    A batch has its least samples, so a loose target may need fewer batches, but never fewer than a run has replicates.
+    The trials of the effort tell.
+    """
+    samples = _samples(effort.variance, effort.cost, target)
+    batch = 2.0 ** np.array(_log2_samples(samples, batches))
+    count = float(np.sum(effort.variance / batch)) / target**2
+    return max(count, float(LEAST_REPLICATES)), batch
+
+
+def least_error(effort: Effort) -> float:
+    """Relative error of the shortest run there is, with the least samples in a batch, by the trials of an effort."""
+    return float(np.sqrt(np.sum(effort.variance / 2.0 ** np.array(LEAST)) / LEAST_REPLICATES))
 
 
 @dataclass(frozen=True)

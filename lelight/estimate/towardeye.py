@@ -35,8 +35,10 @@ class TowardEye:
         """One number a receiver."""
         return 1
 
-    def collect(self, receivers: Receivers, arrivals: tuple[Arrivals, ...]) -> FloatArray:
-        """Sum what the lobes of r receivers make of arrivals, (r, 1, C) in cd/m²; see `AngularDetail`."""
+    def collect(
+        self, receivers: Receivers, arrivals: tuple[Arrivals, ...], *, seed: tuple[int, ...] = ()
+    ) -> FloatArray:
+        """Sum what the lobes of r receivers make of arrivals, (r, 1, C) in cd/m²; see `Collecting`."""
         kept = np.zeros((len(receivers), 1, self.reflectances.diffuse.shape[1]))
         outgoing = self.outgoing[receivers.identity - self.first]
         for part in arrivals:
@@ -55,7 +57,7 @@ class TowardEye:
     def coefficients(
         self, kept: FloatArray, *, receivers: Receivers, illuminance: FloatArray, reflectances: Reflectances
     ) -> FloatArray:
-        """Add what the Lambertian lobe reflects, (r, 1, C) in cd/m²; see `AngularDetail`."""
+        """Add what the Lambertian lobe reflects, (r, 1, C) in cd/m²."""
         lambertian = reflectances.diffuse[receivers.materials] * illuminance / math.pi
         return np.asarray(kept + lambertian[:, None])
 

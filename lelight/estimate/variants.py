@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-Estimator = Literal["base", "emitters", "paths", "raw", "clamped", "averaged", "gather"]
+Estimator = Literal["base", "emitters", "paths", "raw", "clamped", "averaged", "gather", "shortened"]
 
 
 @dataclass(frozen=True)
@@ -66,4 +66,12 @@ VARIANTS: dict[Estimator, Variant] = {
         near="base",
         bias="Gathering alone: interpolation and noise of the base field stay in the result.",
     ),
+    "shortened": Variant(
+        on_base=True,
+        near="base",
+        bias="Without residual paths: of what the base field lacks, light from nearer than the bound is missing.",
+    ),
 }
+
+#: For scenes in which nothing reflects.
+DIRECT_ONLY = Variant(chains=False)

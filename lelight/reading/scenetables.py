@@ -19,11 +19,11 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from lelight import plan
 from lelight.estimate.variants import Estimator
 from lelight.harmonics.hemigrid import Extension
 from lelight.metrics.en12464_tasks import TASKS
 from lelight.metrics.grid import cell_counts
-from lelight.plan import LARGEST_STORED_EXPONENT, Method
 from lelight.reading.quantities import (
     Band,
     Colour,
@@ -42,6 +42,7 @@ from lelight.reading.quantities import (
     Threshold,
     number,
 )
+from lelight.storeddegree import LARGEST_DEGREE, LARGEST_STORED_EXPONENT, Mirrors
 
 Unit = Literal["m", "cm", "mm", "in", "ft"]
 UpAxis = Literal["z", "y"]
@@ -208,13 +209,14 @@ Count = Annotated[int, Field(ge=1, le=2**31)]
 class CalcTable(Table):
     """Expert keys of the calculation; what is absent is for the command line and the plan to say.
 
-    ``target`` is a relative standard error, ``time`` is in s, ``edge`` in m.
+    ``target`` is a relative standard error, ``time`` is in s, ``edge`` in m. From ``colour`` on they are decisions of
+    the plan, see `lelight.plan.Forced`.
     """
 
     target: RelativeError | None = None
     time: Seconds | None = None
     preset: Literal["draft", "normal", "fine"] | None = None
-    method: Method | None = None
+    method: plan.Method | None = None
     edge: Length | None = None
     seed: Annotated[int, Field(ge=0, lt=2**63)] | None = None
     threads: Count | None = None
@@ -224,6 +226,15 @@ class CalcTable(Table):
     directions: Annotated[int, Field(ge=16, le=2**16)] | None = None
     extension: Extension | None = None
     relightable: Annotated[float, number(0, LARGEST_STORED_EXPONENT)] | None = None
+    colour: plan.Colour | None = None
+    degree: Annotated[int, Field(ge=0, le=LARGEST_DEGREE)] | None = None
+    angular: plan.Angular | None = None
+    mirrors: Mirrors | None = None
+    sides: plan.Sides | None = None
+    indirect: bool | None = None
+    residual: bool | None = None
+    emitters: plan.Lamps | None = None
+    pictures: bool | None = None
 
 
 class OutdoorTable(Table):
