@@ -50,12 +50,12 @@ def _stored_degrees(stage: Stage, detail: AngularDetail | None) -> IntArray:
     return degrees if detail is None else detail.stored_degrees(degrees)
 
 
-def _truncation(stage: Stage, replicates: Replicates, detail: AngularDetail | None) -> FloatArray | None:
-    """State what the finite degree leaves out at each node, where anything is glossy."""
+def _truncation(stage: Stage, replicates: Replicates, detail: AngularDetail | None) -> NDArray[np.float32]:
+    """State what the finite degree leaves out at each node (n,), 0 where nothing is glossy."""
+    errors = np.zeros(len(stage.mesh), dtype=np.float32)
     if detail is None:
-        return None
+        return errors
     glossy = np.flatnonzero(stage.receivers.degrees > 0)
-    errors = np.zeros(len(stage.mesh))
     errors[glossy] = detail.truncation(
         replicates.angular / replicates.count,
         receivers=stage.receivers[glossy],

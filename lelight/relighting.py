@@ -86,10 +86,9 @@ def relit(field: RadianceField, scene: Scene) -> RadianceField:
 
 def _truncation(
     field: RadianceField, world: World, lobes: IntArray, changed: IntArray
-) -> NDArray[np.float64]:
+) -> NDArray[np.float32]:
     """State anew what the degrees of the changed materials leave out (n,)."""
-    errors = field.values.truncation
-    errors = np.zeros(len(field.mesh)) if errors is None else errors.copy()
+    errors = field.values.truncation.copy()
     own = np.isin(field.mesh.materials, changed)
     errors[own] = 0.0
     incident = field.incident

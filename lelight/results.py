@@ -25,7 +25,7 @@ class NodeValues:
     radiance_sh : (n, (L + 1)**2, C) float32, L the largest degree; reflected radiance in cd/m², real
         orthonormal harmonics, index l² + l + m, no Condon-Shortley phase, local frame of the node;
         without the direct highlights of emitters
-    truncation : (n,) float, cd/m², root mean square over directions of what the degree leaves out
+    truncation : (n,) float32, cd/m², root mean square over directions of what the degree leaves out of lobes
     """
 
     illuminance: FloatArray
@@ -35,7 +35,7 @@ class NodeValues:
     light_vector: FloatArray
     sh_degree: IntArray
     radiance_sh: NDArray[np.float32]
-    truncation: FloatArray | None = None
+    truncation: NDArray[np.float32]
 
 
 @dataclass(frozen=True)

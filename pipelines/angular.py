@@ -30,8 +30,6 @@ def angular_record(run: Calculation) -> dict[str, Any]:
 
 def _rows(field: RadianceField) -> list[dict[str, Any]]:
     mesh, values = field.mesh, field.values
-    if values.truncation is None:
-        return []
     shown = (values.sh_degree > 0) & ~mesh.hidden
     rows = []
     for material in np.unique(mesh.materials[shown]):

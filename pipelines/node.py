@@ -94,7 +94,7 @@ def node_table(field: RadianceField, body: LuminanceBody, place: FloatArray) -> 
         "least_cd_m2": float(body.luminance.min()),
         "toward": _toward_observers(field, node),
         "sh_degree": int(values.sh_degree[node]),
-        "truncation_cd_m2": 0.0 if values.truncation is None else float(values.truncation[node]),
+        "truncation_cd_m2": float(values.truncation[node]),
         "energy_share_by_degree": _energy_shares(field, node),
         "zenith_deg": np.degrees(body.zenith).round(9).tolist(),
         "azimuth_deg": np.degrees(body.azimuth).round(9).tolist(),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from rooms import glossy_room
@@ -22,7 +20,7 @@ def test_a_glossy_room_has_the_light_that_mitsuba_finds():
     except (ImportError, RuntimeError, OSError) as error:
         pytest.skip(f"Mitsuba 3 or the LLVM library it compiles with is missing: {error}")
     scene = glossy_room(0.4, 0.3, 30.0)
-    run = calculate(scene, replace(Settings(edge=0.7), target=0.02))
+    run = calculate(scene, Settings(edge=0.7, target=0.01))
     mesh = run.field.mesh
     seen = np.flatnonzero(~mesh.hidden)
     nodes = np.random.default_rng(3).choice(seen, min(PLACES, len(seen)), replace=False)

@@ -317,7 +317,8 @@ def test_a_point_lamp_close_to_a_wall(height: float) -> None:
     assert abs(received.mean() - 1.0) < 0.05
     # The spot sends half of what it gets down again, which the floor must show: chains from the lamp say so too.
     floor = mesh.positions[:, 2] < EXACT
-    other = run(near_the_ceiling(height), edge=0.7, estimator="emitters")
+    # Paths from nodes find the spot by chance only, so that those estimates are many.
+    other = run(near_the_ceiling(height), edge=0.7, estimator="emitters", batches=48)
     assert same_mean(mean(made, floor), mean(other, floor), relative_error=0.03)
 
 

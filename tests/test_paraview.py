@@ -63,6 +63,7 @@ def write_result(folder):
         light_vector=np.zeros((4, 3, 1)),
         sh_degree=np.zeros(4, dtype=np.int64),
         radiance_sh=np.ones((4, 1, 1), dtype=np.float32),
+        truncation=np.zeros(4, dtype=np.float32),
     )
     (folder / "planes").mkdir(parents=True)
     planes = {'work "plane"\\': folder / "planes" / "work.vtp", "Flur ü": folder / "planes" / "Flur ü.vtp"}

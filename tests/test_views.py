@@ -43,6 +43,7 @@ def write_floor_and_ceiling(path):
         light_vector=np.zeros((8, 3, 1)),
         sh_degree=np.zeros(8, dtype=np.int64),
         radiance_sh=np.zeros((8, 1, 1), dtype=np.float32),
+        truncation=np.zeros(8, dtype=np.float32),
     )
     write_field(path, mesh, values, exitance=light, luminance=light, material_names=["a"], header={})
 

@@ -66,7 +66,7 @@ def square(channels, degree, seed=1):
         scalar_illuminance=random.random((4, channels)),
         light_vector=random.random((4, 3, channels)),
         sh_degree=np.array([0, degree, 0, 0]),
-        truncation=np.array([0.0, 0.25, 0.0, 0.0]) if degree else None,
+        truncation=np.array([0.0, 0.25 if degree else 0.0, 0.0, 0.0], dtype=np.float32),
         radiance_sh=random.random((4, (degree + 1) ** 2, channels), dtype=np.float32),
     )
     return mesh, values

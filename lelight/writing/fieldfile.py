@@ -178,7 +178,7 @@ def _node_arrays(mesh: NodeMesh, sh_degree: IntArray) -> dict[str, NDArray[Any]]
 
 
 def _truncation(values: NodeValues) -> dict[str, NDArray[Any]]:
-    if values.truncation is None:
+    if not values.sh_degree.any():
         return {}
     return {"radiance_truncation_cd_m2": values.truncation.astype(np.float32)}
 
@@ -244,11 +244,11 @@ def _node_values(content: PolyData, channels: int) -> NodeValues:
     )
 
 
-def _truncation_of(content: PolyData) -> FloatArray | None:
-    """Read truncation errors (n,), which older files do not have."""
+def _truncation_of(content: PolyData) -> NDArray[np.float32]:
+    """Read truncation errors (n,), which are left out where nothing is glossy."""
     found = content.point_arrays.get("radiance_truncation_cd_m2")
     if found is None:
-        return None
+        return np.zeros(len(content.points), dtype=np.float32)
     if found.shape != (len(content.points),) or not np.isfinite(found).all():
         raise ValueError("'radiance_truncation_cd_m2' is no finite number a node")
-    return found.astype(np.float64)
+    return found.astype(np.float32)
