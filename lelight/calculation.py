@@ -19,6 +19,7 @@ from lelight.estimate.replicates import ErrorReached, Replicates, error_reached,
 from lelight.estimate.samplingplan import SamplingPlan, StartingCells
 from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
 from lelight.field import RadianceField
+from lelight.memory import allowed_memory, require_fitting, room_of_blocks
 from lelight.mesh.doubles import without_repeated_faces
 from lelight.outcome import found_at_eyes, found_at_probes, found_field, found_on_planes
 from lelight.plan import Plan
@@ -188,6 +189,7 @@ def _estimate(
     keep.clock.lap("effort")
     width = 0 if detail is None else detail.width
     form = course_form(receivers, width=width, channels=stage.world.channels)
+    room = _room_of_blocks(scene, settings, stage)
     course = keep.state("course", form) or Course(
         Replicates(first_in_space=len(stage.mesh), doublings=like.doublings if like else 0),
         began=keep.clock.elapsed,
@@ -207,6 +209,7 @@ def _estimate(
             variant=stage.variant,
             keep=keep,
             name=f"unit/{replicates.units}",
+            room=room,
         )
         require_sound_batch(scene, stage, found)
         return found
@@ -238,6 +241,21 @@ def _estimate(
         starts=StartingCells.of(base),
     )
     return _found(scene, settings, stage, sampling, detail, course, keep.clock)
+
+
+def _room_of_blocks(scene: Scene, settings: Settings, stage: Stage) -> float:
+    """Bytes that a block may take; a run that cannot fit is refused."""
+    allowed = allowed_memory(settings.memory)
+    at_rest = require_fitting(
+        scene.name,
+        len(stage.receivers),
+        int(np.count_nonzero(stage.receivers.degrees)),
+        degree=stage.plan.degree,
+        channels=stage.world.channels,
+        edge=stage.edge,
+        allowed=allowed,
+    )
+    return room_of_blocks(allowed, at_rest, settings.workers)
 
 
 def _effort(

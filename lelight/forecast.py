@@ -20,6 +20,7 @@ from lelight.dial import edge_scale
 from lelight.estimate.batch import Effort
 from lelight.estimate.effort import batches_for, least_error
 from lelight.estimate.schedule import WANTED_BATCHES
+from lelight.memory import memory_at_rest
 from lelight.mesh.grading import graded
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import default_edge, remesh
@@ -38,8 +39,6 @@ LONG_RUN = 0.9
 FINER = -0.2
 #: Processor seconds for tables, overview and files, beside pictures.
 WRITING = 1.4
-#: Bytes at rest, of every receiver, and arrays of angular detail at the height of a run.
-AT_REST, OF_RECEIVER, ARRAYS = 5.7e8, 6_000.0, 4
 #: Targets between which the dial is turned.
 LEAST_TARGET, MOST_TARGET = 0.002, 0.5
 
@@ -213,9 +212,13 @@ def forecast(scene: Scene, settings: Settings) -> tuple[Forecast, Calculation]:
         error = max(pilot.error_in(edge, settings.time), asked)
         seconds = min(settings.time, pilot.seconds_for(edge, max(asked, LEAST_TARGET)))
     nodes = pilot.nodes * pilot.vertices_at(edge) / pilot.vertices
-    detail = 8 * (run.plan.degree + 1) ** 2 * run.plan.channels * ARRAYS * (run.plan.degree > 0)
-    receivers = pilot.receivers * pilot.growth(edge)
-    memory = AT_REST + OF_RECEIVER * receivers + nodes * detail
+    detailed = np.count_nonzero(run.field.values.sh_degree) / len(run.field.mesh)
+    memory = memory_at_rest(
+        pilot.receivers * pilot.growth(edge),
+        nodes * detailed,
+        degree=run.plan.degree,
+        channels=run.plan.channels,
+    )
     return Forecast(edge, nodes, seconds, error, memory), run
 
 

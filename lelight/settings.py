@@ -54,6 +54,7 @@ class Settings(Forced):
     extension : how the fit to that grid goes on below the horizon
     seed : int, of every random number
     threads : int
+    memory : float or None; bytes that the run may take, None for a share of what is free
     batches : int or None; exactly so many replicates, without doubling, instead of a target
     adaptive : refine the mesh where direct light is not linear over its triangles
     estimator : ``base`` gathers a first field and lets chains carry what it lacks; ``emitters`` lets chains
@@ -70,6 +71,7 @@ class Settings(Forced):
     extension: Extension = "least_squares"
     seed: int = 0
     threads: int = 0
+    memory: float | None = None
     batches: int | None = None
     adaptive: bool = False
     estimator: Estimator = "base"
