@@ -104,6 +104,11 @@ _RUN_OPTIONS = [
     ),
     click.option("--threads", type=click.IntRange(min=1), help="Default: all that may be used."),
     click.option(
+        "--cluster",
+        metavar="ADDRESS",
+        help="Dask scheduler whose workers take part, e.g. tcp://host:8786, or local:4 for four processes here.",
+    ),
+    click.option(
         "--memory",
         type=memory_size,
         metavar="SIZE",

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lelight.checkpoint.keeper import Keeper
 from lelight.clock import Clock
+from lelight.cluster import cluster_executor
 from lelight.course import Course, Standing, course_form
 from lelight.estimate.angular import AngularDetail, angular_detail
-from lelight.estimate.batch import Batch, Effort, estimate_batch
+from lelight.estimate.batch import estimate_batch
+from lelight.estimate.blocks import Batch, Effort
 from lelight.estimate.effort import choose_effort
 from lelight.estimate.interpolation import InterpolationError
 from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, pooled_error, visible_areas
@@ -145,7 +148,7 @@ def calculate(
     if settings.emitters != "all":
         scene = without_dark_lamps(scene)
     keep = keep or Keeper()
-    with ThreadPoolExecutor(max_workers=settings.workers) as executor:
+    with _crew(settings) as executor:
         try:
             stage = prepare(scene, settings, executor, keep)
             require_sound_mesh(scene, stage.mesh)
@@ -159,6 +162,13 @@ def calculate(
             executor.shutdown(wait=False, cancel_futures=True)
             keep.flush()
             raise
+
+
+def _crew(settings: Settings) -> AbstractContextManager[Executor]:
+    """Who works: threads of this process, and the workers of a cluster where one was asked for."""
+    if settings.cluster is not None:
+        return cluster_executor(settings.cluster, settings.workers)
+    return ThreadPoolExecutor(max_workers=settings.workers)
 
 
 def _estimate(

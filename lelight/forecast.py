@@ -17,7 +17,7 @@ import numpy as np
 from lelight.calculation import Calculation, calculate
 from lelight.camera import Fisheye
 from lelight.dial import edge_scale
-from lelight.estimate.batch import Effort
+from lelight.estimate.blocks import Effort
 from lelight.estimate.effort import batches_for, least_error
 from lelight.estimate.schedule import WANTED_BATCHES
 from lelight.memory import memory_at_rest

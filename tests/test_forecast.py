@@ -14,7 +14,7 @@ from lelight.calculation import calculate
 from lelight.checkpoint.keeper import Keeper
 from lelight.dial import COARSEST, FINEST, edge_scale
 from lelight.dialvalues import AT_ONE, POWER, PRESET_POINTS
-from lelight.estimate.batch import Effort
+from lelight.estimate.blocks import Effort
 from lelight.estimate.effort import batches_for
 from lelight.estimate.schedule import WANTED_BATCHES
 from lelight.forecast import MOST_TARGET, Pilot, dialled_edge, forecast, pilot_run
