@@ -53,7 +53,7 @@ def cluster_executor(address: str, threads: int) -> Iterator[Executor]:
         client.wait_for_workers(1, timeout=PATIENCE)
     except (OSError, ValueError, RuntimeError) as error:
         told = " ".join(str(error).split()) or type(error).__name__
-        raise ClusterError(f"--cluster {address}: no worker within {PATIENCE:g} s ({told})") from error
+        raise ClusterError(f"--cluster {address}: no worker answers ({told})") from error
     _require_same_versions(address, client)
     executor = ClusterExecutor(client, threads)
     try:

@@ -66,16 +66,17 @@ def test_a_worker_killed_in_the_middle_costs_no_bit(scene, alone, monkeypatch):
 
 def test_a_cluster_that_does_not_answer_is_named(tmp_path: Path, monkeypatch):
     monkeypatch.setattr("lelight.cluster.PATIENCE", 0.5)
-    with pytest.raises(ClusterError, match="tcp://127.0.0.1:9: no worker within 0.5 s"):
-        with cluster_executor("tcp://127.0.0.1:9", 1):
-            pass
+    with (
+        pytest.raises(ClusterError, match=r"127\.0\.0\.1:9: no worker answers"),
+        cluster_executor("tcp://127.0.0.1:9", 1),
+    ):
+        pass
 
 
 def test_workers_of_another_version_are_refused(monkeypatch):
     monkeypatch.setattr("lelight.cluster.versions", lambda: {"lelight": str(time.time())})
-    with pytest.raises(ClusterError, match="has lelight"):
-        with cluster_executor("local:1", 1):
-            pass
+    with pytest.raises(ClusterError, match="has lelight"), cluster_executor("local:1", 1):
+        pass
 
 
 def test_errors_of_a_block_are_raised_here():
@@ -90,5 +91,5 @@ def test_errors_of_a_block_are_raised_here():
 def test_command_line_names_a_wrong_address(tmp_path: Path):
     outcome = lelight("calc", write_room(tmp_path), "--cluster", "nowhere", "--quiet")
     assert outcome.status == 1
-    assert outcome.stderr.startswith("lelight: error: --cluster nowhere")
+    assert outcome.stderr.startswith("lelight: --cluster nowhere: no worker answers")
     assert outcome.stderr.count("\n") == 1
