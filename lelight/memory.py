@@ -17,7 +17,7 @@ SHARE_OF_FREE = 0.7
 #: Bytes at rest: program, libraries and a scene of some thousand triangles.
 AT_REST = 5.5e8
 #: Bytes of a receiver at the height of a run, and arrays of angular detail, of 8 bytes a number, that exist at once.
-OF_RECEIVER, ANGULAR_ARRAYS = 1_500.0, 4.5
+OF_RECEIVER, ANGULAR_ARRAYS = 1_250.0, 6.0
 #: Bytes that a worker's block needs at least.
 LEAST_ROOM = 2.0e7
 #: Where Linux tells how much memory is free, and what a control group may take.
