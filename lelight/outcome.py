@@ -9,6 +9,7 @@ from lelight.estimate.angular import AngularDetail, HarmonicDetail
 from lelight.estimate.interpolation import InterpolationError, interpolation_error
 from lelight.estimate.replicates import Replicates, pooled_error
 from lelight.field import RadianceField
+from lelight.harmonics.dark import without_dark
 from lelight.incident import IncidentLight
 from lelight.preparation import Stage
 from lelight.receivers import CYLINDRICAL, ILLUMINANCE, SCALAR, VECTOR
@@ -94,7 +95,7 @@ def _radiance(
         (len(stage.mesh), fitted.shape[1], fitted.shape[2]), dtype=np.float32
     )
     radiance[:, 0] = constant
-    radiance[glossy] = fitted
+    radiance[glossy] = without_dark(fitted)
     return radiance
 
 

@@ -17,13 +17,14 @@ from lelight.errors import OutputError
 from lelight.estimate.angularharmonics import harmonic_truncation
 from lelight.estimate.lobes import stored_lobe
 from lelight.field import RadianceField
+from lelight.harmonics.dark import without_dark
 from lelight.harmonics.indices import terms
 from lelight.harmonics.zonal import largest_exponent, reflected
 from lelight.incident import IncidentLight
 from lelight.plan import make_plan
 from lelight.reading.inputfile import quoted
 from lelight.scene import IntArray, Scene
-from lelight.storeddegree import BLUNT_EXPONENT, stored_degree
+from lelight.storeddegree import BLUNT_EXPONENT, EPS, stored_degree
 from lelight.tracing.world import World, build_world
 
 
@@ -112,13 +113,14 @@ def _reflection(
     if degree and field.incident is not None:
         _, at, kept = np.intersect1d(nodes, field.incident.nodes, return_indices=True)
         light[at] = field.incident.coefficients[kept, : terms(degree)]
-    return reflected(
+    radiance = reflected(
         light,
         field.values.illuminance[nodes],
         diffuse=reflectances.diffuse[material],
         specular=specular,
         exponent=float(reflectances.exponent[material]),
     )
+    return without_dark(radiance)
 
 
 def _require_kept(field: RadianceField, scene: Scene, material: int, degree: int) -> None:
@@ -131,9 +133,8 @@ def _require_kept(field: RadianceField, scene: Scene, material: int, degree: int
     if kept == 0:
         kept_so_far = "no angular distribution"
     else:
-        kept_so_far = (
-            f"degree {kept}, enough for exponents up to {max(BLUNT_EXPONENT, largest_exponent(kept)):.3g}"
-        )
+        enough = max(BLUNT_EXPONENT, largest_exponent(kept, eps=EPS))
+        kept_so_far = f"degree {kept}, enough for exponents up to {enough:.3g}"
     raise OutputError(
         f"{name} was computed with {kept_so_far}; exponent {exponent:g} needs degree {degree}: "
         f"run `lelight calc` with --relightable {exponent:g}"

@@ -27,12 +27,12 @@ from lelight.estimate.blocks import Batch, Effort
 from lelight.harmonics.basis import evaluate
 from lelight.harmonics.hemigrid import Extension
 from lelight.harmonics.indices import degree_of, terms
-from lelight.harmonics.zonal import degree_for
 from lelight.plan import Plan
 from lelight.preparation import Stage, prepare
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import FloatArray
 from lelight.settings import Settings
+from lelight.storeddegree import lobe_degree
 
 #: Points of one replicate: what the program chooses for this room at a target of 2 %.
 EFFORT = Effort(log2_chains=5, log2_direct=2, log2_near=5, bound=0.107)
@@ -145,7 +145,7 @@ def _draw(rows: dict[Extension, list[float]], picture: Path) -> None:
     for extension, differences in rows.items():
         axes.loglog(DIRECTIONS, differences, "o-", label=extension.replace("_", " "))
     axes.set_xlabel("directions of the grid over the hemisphere")
-    axes.set_ylabel("rms difference of radiance, grid and sh, over the mean")
+    axes.set_ylabel("rms of grid minus sh, over the mean radiance")
     axes.grid(which="both", alpha=0.3)
     axes.legend(frameon=False)
     FigureCanvasAgg(figure).print_png(str(picture), metadata={"Software": None})
@@ -170,10 +170,10 @@ def variances(room: Room) -> None:
 
 
 def storage(room: Room) -> None:
-    """Print bytes a node: float32 harmonics of 1 % against a grid that carries the same degree, and compressed."""
+    """Print bytes a node: float32 harmonics against a grid that carries the same degree, and compressed."""
     print("exponent, degree, bytes of harmonics, of a grid as fine as its degree needs, ratio")
     for exponent in (4, 16, 64, 256):
-        degree = degree_for(max(exponent, 16))
+        degree = lobe_degree(exponent)
         grid = (degree + 1) * (2 * degree + 1)
         print(f"  {exponent:4} {degree:3} {4 * terms(degree):7} {4 * grid:7} {grid / terms(degree):5.2f}")
     receivers = room.nodes(DEGREE)

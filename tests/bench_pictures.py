@@ -33,6 +33,8 @@ from lelight.writing.radiancehdr import write_hdr
 RAYS, REPLICATES = 2000, 96
 #: Root mean square of the difference that is allowed, as share of the mean radiance.
 BAR = 0.02
+#: Light is linear: the lamp of 4000 cd/m2, so that evalglare takes it for a source of glare.
+BRIGHTER = 4.0
 #: Draws for images of the lamp, as power of two, where no picture's time matters.
 LOG2_IMAGES = 10
 
@@ -149,8 +151,9 @@ def test_evalglare_rates_both_pictures_alike(executor: ThreadPoolExecutor, tmp_p
         pictures["trace"] = taken.luminance
     told = {}
     for name, luminance in pictures.items():
-        write_hdr(tmp_path / f"{name}.hdr", luminance, view=camera.view(size, size))
+        write_hdr(tmp_path / f"{name}.hdr", BRIGHTER * luminance, view=camera.view(size, size))
         told[name] = evalglare(tmp_path / f"{name}.hdr")
         print(name, {key: told[name][key] for key in ("dgp", "ugr", "E_v", "av_lum")})
+    assert told["field"]["ugr"] > 0
     assert abs(told["field"]["dgp"] - told["trace"]["dgp"]) < 0.01
     assert abs(told["field"]["ugr"] - told["trace"]["ugr"]) < 0.5

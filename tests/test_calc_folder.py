@@ -130,7 +130,7 @@ def test_harmonics_are_named_one_by_one(field):
     array = field.GetPointData().GetAbstractArray("radiance_sh")
     names = [array.GetComponentName(index) for index in range(array.GetNumberOfComponents())]
     assert names == [f"Y_{n}_{m}" for n in range(degree + 1) for m in range(-n, n + 1)]
-    # The lobe of exponent 12 gets the degree of exponent 16, ceil(sqrt(2 16 ln 100)) = 13.
+    # The lobe of exponent 12 gets the degree of exponent 16, ceil(sqrt(2 16 ln(1 / 0.006))) = 13.
     assert degree == 13
     materials = np.asarray(field.field_data["material_names"])[field.cell_data["material_id"]]
     glossy = np.unique(field.regular_faces[materials == "floor"])

@@ -64,7 +64,7 @@ def evaluated(coefficients: NDArray[np.floating], degree: int, directions: Float
     angles = polar_angles(directions)
     columns = [
         ducc0.sht.synthesis_general(
-            alm=_complex_form(np.asarray(channel, dtype=np.float64), degree)[None],
+            alm=complex_form(np.asarray(channel, dtype=np.float64), degree)[None],
             spin=0,
             lmax=degree,
             loc=angles,
@@ -76,7 +76,7 @@ def evaluated(coefficients: NDArray[np.floating], degree: int, directions: Float
     return np.stack(columns, axis=-1)
 
 
-def _complex_form(coefficients: FloatArray, degree: int) -> NDArray[np.complex128]:
+def complex_form(coefficients: FloatArray, degree: int) -> NDArray[np.complex128]:
     """Complex coefficients, m by m, of one channel's real ones (T,)."""
     cosine, sine, factors, places = _layout(degree)
     parts = np.zeros((degree + 1) * (degree + 2) // 2, dtype=np.complex128)

@@ -39,14 +39,19 @@ def transform(degree: int, directions: FloatArray, weights: FloatArray) -> Float
 
 
 def _transform_channel(degree: int, angles: FloatArray, weights: FloatArray) -> FloatArray:
-    """One channel's coefficients (T,) from ducc0's complex ones.
+    """One channel's coefficients (T,)."""
+    complex_coefficients = ducc0.sht.adjoint_synthesis_general(
+        map=weights[None], spin=0, lmax=degree, loc=angles, epsilon=TRANSFORM_EPSILON, nthreads=1
+    )[0]
+    return real_form(complex_coefficients, degree)
+
+
+def real_form(complex_coefficients: NDArray[np.complexfloating], degree: int) -> FloatArray:
+    """Coefficients (T,) from ducc0's complex ones, m by m.
 
     ducc0 keeps m >= 0 of the complex harmonics with the Condon-Shortley phase; Re and -Im of them, times
     (-1)^m sqrt 2, are the cosine and sine coefficients of the real form.
     """
-    complex_coefficients = ducc0.sht.adjoint_synthesis_general(
-        map=weights[None], spin=0, lmax=degree, loc=angles, epsilon=TRANSFORM_EPSILON, nthreads=1
-    )[0]
     sources, cosine_factors, sine_factors = _real_form(degree)
     chosen = complex_coefficients[sources]
     return np.asarray(cosine_factors * chosen.real + sine_factors * chosen.imag)
