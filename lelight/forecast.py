@@ -37,9 +37,9 @@ PREPARING = 0.65
 LONG_RUN = 0.9
 #: On a finer mesh the base field is better, and fewer samples are needed: as this power of the receivers.
 FINER = -0.2
-#: Processor seconds for tables, overview and files, beside pictures; what a picture takes with its figures, over
-#: its pixels alone.
-WRITING, JUDGING = 1.9, 1.6
+#: Processor seconds for tables and files; for the overview, which a process of its own draws beside the pictures;
+#: what a picture takes with its figures, over its pixels alone.
+WRITING, OVERVIEW, JUDGING = 0.5, 1.5, 1.6
 #: An edge this much finer than the one that was meshed is meshed before it is believed to fit.
 TOO_FAR = 0.8
 #: Targets between which the dial is turned.
@@ -105,7 +105,9 @@ class Pilot:
     @property
     def writing(self) -> float:
         """Seconds after the estimate."""
-        return (WRITING + self.pictures) / self.pace
+        # One more process has a core to itself, or what a thread of two has.
+        overview = OVERVIEW / min(self.pace / 2.0, 1.0)
+        return WRITING / self.pace + max(overview, self.pictures / self.pace)
 
     def estimate(self, edge: float, target: float) -> float:
         """Seconds of the estimate alone."""
