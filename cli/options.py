@@ -51,6 +51,16 @@ def seconds(given: str) -> float:
         raise click.BadParameter(str(error)) from error
 
 
+def memory_size(given: str) -> float:
+    """Read a size such as ``4GB``, in bytes."""
+    from lelight.reading import quantities
+
+    try:
+        return quantities.memory_size(given)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from error
+
+
 def edge_length(given: str) -> float:
     """Read a length in m, above 0 and no farther than any scene reaches."""
     from lelight.reading.limits import FARTHEST
@@ -93,6 +103,17 @@ _RUN_OPTIONS = [
         "--seed", type=click.IntRange(0, LARGEST_SEED), help="Seed of every random number. Default: 0."
     ),
     click.option("--threads", type=click.IntRange(min=1), help="Default: all that may be used."),
+    click.option(
+        "--cluster",
+        metavar="ADDRESS",
+        help="Dask scheduler whose workers take part, e.g. tcp://host:8786, or local:4 for four processes here.",
+    ),
+    click.option(
+        "--memory",
+        type=memory_size,
+        metavar="SIZE",
+        help="Most to take, e.g. 4GB. Default: 70 % of what is free.",
+    ),
 ]
 
 

@@ -4,21 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lelight.checkpoint.keeper import Keeper
 from lelight.clock import Clock
+from lelight.cluster import cluster_executor
 from lelight.course import Course, Standing, course_form
 from lelight.estimate.angular import AngularDetail, angular_detail
-from lelight.estimate.batch import Batch, Effort, estimate_batch
+from lelight.estimate.batch import estimate_batch
+from lelight.estimate.blocks import Batch, Effort
 from lelight.estimate.effort import choose_effort
 from lelight.estimate.interpolation import InterpolationError
 from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, pooled_error, visible_areas
 from lelight.estimate.samplingplan import SamplingPlan, StartingCells
 from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
 from lelight.field import RadianceField
+from lelight.memory import allowed_memory, require_fitting, room_of_blocks
 from lelight.mesh.doubles import without_repeated_faces
 from lelight.outcome import found_at_eyes, found_at_probes, found_field, found_on_planes
 from lelight.plan import Plan
@@ -144,7 +148,7 @@ def calculate(
     if settings.emitters != "all":
         scene = without_dark_lamps(scene)
     keep = keep or Keeper()
-    with ThreadPoolExecutor(max_workers=settings.workers) as executor:
+    with _crew(settings) as executor:
         try:
             stage = prepare(scene, settings, executor, keep)
             require_sound_mesh(scene, stage.mesh)
@@ -158,6 +162,13 @@ def calculate(
             executor.shutdown(wait=False, cancel_futures=True)
             keep.flush()
             raise
+
+
+def _crew(settings: Settings) -> AbstractContextManager[Executor]:
+    """Who works: threads of this process, and the workers of a cluster where one was asked for."""
+    if settings.cluster is not None:
+        return cluster_executor(settings.cluster, settings.workers)
+    return ThreadPoolExecutor(max_workers=settings.workers)
 
 
 def _estimate(
@@ -188,6 +199,7 @@ def _estimate(
     keep.clock.lap("effort")
     width = 0 if detail is None else detail.width
     form = course_form(receivers, width=width, channels=stage.world.channels)
+    room = _room_of_blocks(scene, settings, stage)
     course = keep.state("course", form) or Course(
         Replicates(first_in_space=len(stage.mesh), doublings=like.doublings if like else 0),
         began=keep.clock.elapsed,
@@ -207,6 +219,7 @@ def _estimate(
             variant=stage.variant,
             keep=keep,
             name=f"unit/{replicates.units}",
+            room=room,
         )
         require_sound_batch(scene, stage, found)
         return found
@@ -238,6 +251,21 @@ def _estimate(
         starts=StartingCells.of(base),
     )
     return _found(scene, settings, stage, sampling, detail, course, keep.clock)
+
+
+def _room_of_blocks(scene: Scene, settings: Settings, stage: Stage) -> float:
+    """Bytes that a block may take; a run that cannot fit is refused."""
+    allowed = allowed_memory(settings.memory)
+    at_rest = require_fitting(
+        scene.name,
+        len(stage.receivers),
+        int(np.count_nonzero(stage.receivers.degrees)),
+        degree=stage.plan.degree,
+        channels=stage.world.channels,
+        edge=stage.edge,
+        allowed=allowed,
+    )
+    return room_of_blocks(allowed, at_rest, settings.workers)
 
 
 def _effort(

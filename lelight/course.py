@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lelight.checkpoint.records import Form, Record, form_of
-from lelight.estimate.batch import Batch
+from lelight.estimate.blocks import Batch
 from lelight.estimate.replicates import ErrorReached, Replicates
 from lelight.receivers import MOMENTS, Receivers
 

@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lelight.estimate.base import BRIGHTEST_SPOT, SPOT, BaseField
-from lelight.estimate.batch import Effort, estimate_batch
+from lelight.estimate.batch import estimate_batch
+from lelight.estimate.blocks import Effort
 from lelight.estimate.defect import with_starts
 from lelight.estimate.direct import with_rough_clear_share
 from lelight.estimate.pathstate import Paths

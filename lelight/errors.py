@@ -38,3 +38,7 @@ class OutputError(LelightError):
 
 class NumberError(LelightError):
     """A stage found NaN, infinity or negative light; the text names stage and place."""
+
+
+class ClusterError(LelightError):
+    """The cluster that was asked for does not answer, or computes something else."""

@@ -10,16 +10,17 @@ import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from time import perf_counter, process_time, thread_time
+from time import perf_counter, process_time
 
 import numpy as np
 
 from lelight.calculation import Calculation, calculate
 from lelight.camera import Fisheye
 from lelight.dial import edge_scale
-from lelight.estimate.batch import Effort
+from lelight.estimate.blocks import Effort
 from lelight.estimate.effort import batches_for, least_error
 from lelight.estimate.schedule import WANTED_BATCHES
+from lelight.memory import memory_at_rest
 from lelight.mesh.grading import graded
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import default_edge, remesh
@@ -30,16 +31,17 @@ from lelight.settings import Settings
 PILOT_EDGE, PILOT_BATCHES, PILOT_TARGET = 2.5, 8, 0.05
 #: Pixels across the picture that tells how long pictures take.
 PILOT_PIXELS = 64
-#: Power of the receivers with which preparing grows, measured in the Cornell box, between discs and in the corridor.
-PREPARING = 0.5
+#: Power of the receivers with which preparing grows, measured in the sphere from 642 to 16 482 nodes.
+PREPARING = 0.65
 #: Time of a sample in a long run over that in the pilot, whose blocks are small.
 LONG_RUN = 0.9
 #: On a finer mesh the base field is better, and fewer samples are needed: as this power of the receivers.
 FINER = -0.2
-#: Processor seconds for tables, overview and files, beside pictures.
-WRITING = 1.4
-#: Bytes at rest, of every receiver, and arrays of angular detail at the height of a run.
-AT_REST, OF_RECEIVER, ARRAYS = 5.7e8, 6_000.0, 4
+#: Processor seconds for tables and files; for the overview, which a process of its own draws beside the pictures;
+#: what a picture takes with its figures, over its pixels alone.
+WRITING, OVERVIEW, JUDGING = 0.5, 1.5, 1.6
+#: An edge this much finer than the one that was meshed is meshed before it is believed to fit.
+TOO_FAR = 0.8
 #: Targets between which the dial is turned.
 LEAST_TARGET, MOST_TARGET = 0.002, 0.5
 
@@ -59,8 +61,8 @@ class Pilot:
     ray_rate : float, rays a second
     effort : of its batches, with what trials found
     least : float, relative error of the shortest run there is
-    pictures : float, s that all pictures of a run will take
-    crowding : float, wall seconds over processor seconds of work by one thread, 1 where nothing else runs
+    pictures : float, processor seconds that all pictures of a run will take
+    pace : float, processor seconds in a second: how many cores it had
     seconds : float, s of the pilot itself
     """
 
@@ -77,12 +79,17 @@ class Pilot:
     effort: Effort
     least: float
     pictures: float
-    crowding: float
+    pace: float
     seconds: float
 
     def vertices_at(self, edge: float) -> float:
         """Vertices of a mesh of this edge, one side."""
         return self.bare + self.per_area / edge**2
+
+    def through(self, edge: float, vertices: int) -> Pilot:
+        """Count vertices by one more mesh: as many at this edge, as it were at the pilot's own."""
+        per_area = max(vertices - self.vertices, 0) / (edge**-2 - self.edge**-2)
+        return replace(self, per_area=per_area, bare=self.vertices - per_area / self.edge**2)
 
     def growth(self, edge: float) -> float:
         """Receivers at an edge over those of the pilot."""
@@ -98,7 +105,9 @@ class Pilot:
     @property
     def writing(self) -> float:
         """Seconds after the estimate."""
-        return WRITING * self.crowding + self.pictures
+        # One more process has a core to itself, or what a thread of two has.
+        overview = OVERVIEW / min(self.pace / 2.0, 1.0)
+        return WRITING / self.pace + max(overview, self.pictures / self.pace)
 
     def estimate(self, edge: float, target: float) -> float:
         """Seconds of the estimate alone."""
@@ -141,13 +150,13 @@ def pilot_run(scene: Scene, settings: Settings) -> tuple[Pilot, Calculation]:
     edge = PILOT_EDGE * wanted
     few = replace(settings, edge=edge, target=PILOT_TARGET, time=None, batches=PILOT_BATCHES, adaptive=False)
     # What the scene file asks for is in the settings already, and would win over what is None here.
+    begun, worked = perf_counter(), process_time()
     run = calculate(replace(scene, settings={}), few)
-    begun, alone = perf_counter(), thread_time()
+    pace = (process_time() - worked) / max(perf_counter() - begun, 1e-3)
     labels = patches(scene)
     coarse, fine = (
         len(graded(remesh(scene, labels, edge=e), scene, labels).vertices) for e in (edge, wanted)
     )
-    crowding = max((perf_counter() - begun) / max(thread_time() - alone, 1e-3), 1.0)
     per_area = max(fine - coarse, 0) / (wanted**-2 - edge**-2)
     receivers = len(run.replicates.direct)
     spent = run.seconds
@@ -164,8 +173,8 @@ def pilot_run(scene: Scene, settings: Settings) -> tuple[Pilot, Calculation]:
         ray_rate=run.replicates.rays / max(spent["estimate"], 1e-3),
         effort=run.effort,
         least=least_error(run.effort),
-        pictures=_pictures(run, settings, crowding),
-        crowding=crowding,
+        pictures=_pictures(run, settings),
+        pace=pace,
         seconds=perf_counter() - started,
     )
     return pilot, run
@@ -181,8 +190,8 @@ def _seconds_of_samples(run: Calculation) -> FloatArray:
     return np.asarray(wall / (run.replicates.units * run.effort.samples))
 
 
-def _pictures(run: Calculation, settings: Settings, crowding: float) -> float:
-    """Seconds that the pictures of all observers will take, from small ones."""
+def _pictures(run: Calculation, settings: Settings) -> float:
+    """Processor seconds that the pictures of all observers will take, from small ones."""
     eyes = run.scene.observers
     if not eyes or settings.pictures is False:
         return 0.0
@@ -195,9 +204,7 @@ def _pictures(run: Calculation, settings: Settings, crowding: float) -> float:
             times.append(process_time())
     values = settings.values
     a_pixel = max(times[3] - times[2] - (times[2] - times[1]), 0.0) / (8 * PILOT_PIXELS**2)
-    # By processor seconds: a moment that the machine gave to others must not count a hundred times.
-    shared = crowding * a_pixel / settings.workers
-    return len(eyes) * shared * values.picture_size**2 * values.picture_samples
+    return len(eyes) * JUDGING * a_pixel * values.picture_size**2 * values.picture_samples
 
 
 def forecast(scene: Scene, settings: Settings) -> tuple[Forecast, Calculation]:
@@ -208,15 +215,31 @@ def forecast(scene: Scene, settings: Settings) -> tuple[Forecast, Calculation]:
     seconds, error = pilot.seconds_for(edge, settings.target_error), min(settings.target_error, pilot.least)
     if settings.time is not None:
         if settings.edge is None:
-            edge = dialled_edge(pilot, default_edge(scene), settings.time)
+            pilot, edge = dialled(pilot, scene, settings.time)
         asked = settings.target_error if settings.target is not None else 0.0
         error = max(pilot.error_in(edge, settings.time), asked)
         seconds = min(settings.time, pilot.seconds_for(edge, max(asked, LEAST_TARGET)))
     nodes = pilot.nodes * pilot.vertices_at(edge) / pilot.vertices
-    detail = 8 * (run.plan.degree + 1) ** 2 * run.plan.channels * ARRAYS * (run.plan.degree > 0)
-    receivers = pilot.receivers * pilot.growth(edge)
-    memory = AT_REST + OF_RECEIVER * receivers + nodes * detail
+    detailed = np.count_nonzero(run.field.values.sh_degree) / len(run.field.mesh)
+    memory = memory_at_rest(
+        pilot.receivers * pilot.growth(edge),
+        nodes * detailed,
+        degree=run.plan.degree,
+        channels=run.plan.channels,
+    )
     return Forecast(edge, nodes, seconds, error, memory), run
+
+
+def dialled(pilot: Pilot, scene: Scene, seconds: float) -> tuple[Pilot, float]:
+    """`dialled_edge`, from a mesh of about that edge; also the pilot as that mesh has corrected it."""
+    default = default_edge(scene)
+    edge = dialled_edge(pilot, default, seconds)
+    if edge < TOO_FAR * pilot.edge / PILOT_EDGE:
+        labels = patches(scene)
+        vertices = len(graded(remesh(scene, labels, edge=edge), scene, labels).vertices)
+        pilot = pilot.through(edge, vertices)
+        edge = dialled_edge(pilot, default, seconds)
+    return pilot, edge
 
 
 def dialled_edge(pilot: Pilot, default: float, seconds: float) -> float:

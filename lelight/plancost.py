@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from lelight.spectral.bands import BANDS
 
 #: Time of a run with so many channels over that with one.
-TIME_OF_CHANNELS = {1: 1.0, 3: 1.15, BANDS: 2.9}
+TIME_OF_CHANNELS = {1: 1.0, 3: 1.15, BANDS: 3.1}
 #: Share of the time of a grey run that one coefficient of the harmonics adds where all nodes keep it, and how much
 #: more of that each further channel adds.
-TIME_OF_COEFFICIENT, FURTHER_CHANNEL = 0.013, 0.18
+TIME_OF_COEFFICIENT, FURTHER_CHANNEL = 0.0022, 0.35
 #: Time of a run that follows direct light only, over one that follows all.
 TIME_OF_DIRECT = 0.1
 #: Arrays of moments and of coefficients that are held for each node at the height of a run, and bytes of a number.

@@ -16,6 +16,7 @@ from lelight.estimate.base import BaseField, solve_base
 from lelight.estimate.defect import with_starts
 from lelight.estimate.direct import with_clear_share
 from lelight.estimate.variants import DIRECT_ONLY, VARIANTS, Variant
+from lelight.memory import allowed_memory, require_fitting
 from lelight.mesh.grading import graded
 from lelight.mesh.locate import patch_sides
 from lelight.mesh.neighbours import alike
@@ -41,6 +42,9 @@ PLANE_DOUBLINGS, EYE_DOUBLINGS = 2, 6
 
 #: Receivers asked at once how much of the emitters they see.
 CLEAR_SHARE_CHUNK = 1024
+
+#: Nodes of one side that a mesh has at the least, over its area and the inverse square of its edge.
+LEAST_NODES = 0.5
 
 #: Share of the light that all surfaces together must absorb, by area.
 LEAST_ABSORPTION = 1e-3
@@ -114,6 +118,7 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) 
     plan = make_plan(scene, method=settings.method, forced=settings)
     labels = patches(scene)
     edge = settings.edge or default_edge(scene) * settings.edge_scale
+    _require_room_for_mesh(scene, plan, edge, settings)
     world = build_world(scene, plan.channels)
     require_absorption(scene, world)
     require_clear_emitters(scene, world)
@@ -145,6 +150,21 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) 
     neighbours = alike(mesh.positions, mesh.normals, left_out=mesh.hidden)
     return Stage(
         world, labels, mesh, receivers, grids, edge, plan, base, probes, further, neighbours, variant
+    )
+
+
+def _require_room_for_mesh(scene: Scene, plan: Plan, edge: float, settings: Settings) -> None:
+    """Refuse a mesh that is far too fine for the memory before it is made."""
+    nodes = LEAST_NODES * triangle_areas(scene.corners) / edge**2
+    detailed = nodes[plan.degrees[scene.triangle_materials] > 0] if plan.angular == "all" else np.zeros(1)
+    require_fitting(
+        scene.name,
+        int(nodes.sum()),
+        int(detailed.sum()),
+        degree=plan.degree,
+        channels=plan.channels,
+        edge=edge,
+        allowed=allowed_memory(settings.memory),
     )
 
 

@@ -54,6 +54,8 @@ class Settings(Forced):
     extension : how the fit to that grid goes on below the horizon
     seed : int, of every random number
     threads : int
+    memory : float or None; bytes that the run may take, None for a share of what is free
+    cluster : str or None; address of the Dask scheduler whose workers take part, see `lelight.cluster`
     batches : int or None; exactly so many replicates, without doubling, instead of a target
     adaptive : refine the mesh where direct light is not linear over its triangles
     estimator : ``base`` gathers a first field and lets chains carry what it lacks; ``emitters`` lets chains
@@ -70,6 +72,8 @@ class Settings(Forced):
     extension: Extension = "least_squares"
     seed: int = 0
     threads: int = 0
+    memory: float | None = None
+    cluster: str | None = None
     batches: int | None = None
     adaptive: bool = False
     estimator: Estimator = "base"

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from lelight.errors import NumberError
 from lelight.estimate.base import BaseField
-from lelight.estimate.batch import Batch
+from lelight.estimate.blocks import Batch
 from lelight.field import RadianceField
 from lelight.mesh.nodes import NodeMesh
 from lelight.preparation import Stage

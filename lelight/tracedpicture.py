@@ -16,7 +16,7 @@ import numpy as np
 from lelight.camera import Camera, as_picture, stratified_offsets
 from lelight.channels import luminance_weighted
 from lelight.doublelocal import DoubleLocal, Unit, surface_points
-from lelight.estimate.batch import Effort
+from lelight.estimate.blocks import Effort
 from lelight.estimate.effort import choose_effort
 from lelight.estimate.pathstate import meet
 from lelight.estimate.replicates import LEAST_REPLICATES, ErrorReached, error_reached

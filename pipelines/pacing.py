@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from lelight.calculation import Pace
 from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import form_of
-from lelight.forecast import dialled_edge, pilot_run
+from lelight.forecast import dialled, pilot_run
 from lelight.mesh.remesh import default_edge
 from lelight.scene import Scene
 from lelight.settings import Settings
@@ -44,7 +44,9 @@ def paced(scene: Scene, settings: Settings, keep: Keeper, *, spent: float) -> tu
         keep.clock.lap("pilot")
         default = default_edge(scene)
         left = max(whole.time - spent - pilot.seconds, 0.0) if whole.time else 0.0
-        edge = whole.edge or dialled_edge(pilot, default, left)
+        edge = whole.edge
+        if edge is None:
+            pilot, edge = dialled(pilot, scene, left)
         if whole.edge is None and whole.target is not None:
             edge = max(edge, default * whole.edge_scale)
         beside = pilot.fixed(edge) + pilot.seconds

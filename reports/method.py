@@ -25,7 +25,7 @@ def method_page(folder: ResultFolder) -> dict[str, Any]:
     settings = _mapping(run, "settings")
     return {
         "plan": [_decision(decision, texts) for decision in _items(run, "plan")],
-        "settings": [_setting(key, setting, texts) for key, setting in settings.items()],
+        "settings": [_setting(key, chosen, texts) for key, chosen in settings.items() if chosen is not None],
         "effort": _effort(run, texts),
         "seconds": _seconds(_mapping(run, "seconds"), texts),
         "error": _error(_mapping(run, "error"), texts),

@@ -22,7 +22,8 @@ from rooms import glossy_room
 
 from lelight.checkpoint.keeper import Keeper
 from lelight.estimate.angular import AngularDetail, HarmonicDetail, SampledDetail, angular_detail
-from lelight.estimate.batch import Batch, Effort, estimate_batch
+from lelight.estimate.batch import estimate_batch
+from lelight.estimate.blocks import Batch, Effort
 from lelight.harmonics.basis import evaluate
 from lelight.harmonics.hemigrid import Extension
 from lelight.harmonics.indices import degree_of, terms

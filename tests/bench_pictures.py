@@ -21,7 +21,7 @@ from lelight.calculation import calculate
 from lelight.camera import Fisheye
 from lelight.comparison import unpaired
 from lelight.doublelocal import DoubleLocal, Unit, stored_base, traced_view
-from lelight.estimate.batch import Effort
+from lelight.estimate.blocks import Effort
 from lelight.estimate.effort import bound_for
 from lelight.estimate.variants import VARIANTS
 from lelight.field import RadianceField

@@ -22,7 +22,8 @@ from lelight.channels import luminance_weighted
 from lelight.estimate import batch, local
 from lelight.estimate.angular import HarmonicDetail
 from lelight.estimate.base import solve_base
-from lelight.estimate.batch import Effort, estimate_batch
+from lelight.estimate.batch import estimate_batch
+from lelight.estimate.blocks import Effort
 from lelight.estimate.direct import direct_light, with_clear_share
 from lelight.estimate.effort import bound_for, choose_effort
 from lelight.mesh.nodes import node_mesh

@@ -14,7 +14,7 @@ from lelight.calculation import calculate
 from lelight.checkpoint.keeper import Keeper
 from lelight.dial import COARSEST, FINEST, edge_scale
 from lelight.dialvalues import AT_ONE, POWER, PRESET_POINTS
-from lelight.estimate.batch import Effort
+from lelight.estimate.blocks import Effort
 from lelight.estimate.effort import batches_for
 from lelight.estimate.schedule import WANTED_BATCHES
 from lelight.forecast import MOST_TARGET, Pilot, dialled_edge, forecast, pilot_run
@@ -36,7 +36,7 @@ PILOT = Pilot(
     effort=Effort(5, 2, 2, 1.0, variance=np.array([50.0, 0.5, 0.5]), cost=np.array([0.3, 2.0, 2.5])),
     least=0.2,
     pictures=3.0,
-    crowding=1.0,
+    pace=1.0,
     seconds=4.0,
 )
 
@@ -86,6 +86,13 @@ def test_the_edge_that_a_budget_buys_fills_it():
         target = (edge / 0.4 / AT_ONE) ** (1.0 / POWER)
         assert PILOT.seconds_for(edge, target) == pytest.approx(seconds, rel=0.05)
     assert dialled_edge(PILOT, 0.4, 1.0) == pytest.approx(0.4 * edge_scale(MOST_TARGET))
+
+
+def test_one_more_mesh_corrects_how_vertices_are_counted():
+    corrected = PILOT.through(0.25, 20_000)
+    assert corrected.vertices_at(0.25) == pytest.approx(20_000)
+    assert corrected.vertices_at(PILOT.edge) == pytest.approx(PILOT.vertices)
+    assert dialled_edge(corrected, 0.4, 400.0) > dialled_edge(PILOT, 0.4, 400.0)
 
 
 def test_a_forecast_tells_nodes_memory_and_work_within_a_factor_of_one_and_a_half():

@@ -158,7 +158,7 @@ def test_exponent_1_and_a_hair_more_give_the_same_light():
     assert np.allclose(runs[0].field.illuminance, runs[1].field.illuminance, rtol=1e-3)
 
 
-def watched(position: tuple[float, float, float]) -> Scene:
+def watched(position: tuple[float, float, float], exponent: float = 40.0) -> Scene:
     """A room with a glossy screen across it, an observer on one side."""
     shapes = (
         box((4.0, 3.0, 2.5)),
@@ -167,7 +167,7 @@ def watched(position: tuple[float, float, float]) -> Scene:
     )
     materials = [
         grey("walls", 0.6),
-        grey("screen", 0.2, specular=0.4, exponent=40.0),
+        grey("screen", 0.2, specular=0.4, exponent=exponent),
         grey("lamp", 0.5, luminance=100.0),
     ]
     eye = Observer("eye", np.array(position), np.array([-1.0, 0.0, 0.0]))
@@ -193,6 +193,25 @@ def test_sides_that_no_observer_sees_keep_no_angular_detail_and_still_look_right
     assert (forced.field.values.sh_degree[screen] > 0).all()
     assert agrees(np.array(ratios), 1.0, relative_error=0.05)
     assert not agrees(np.array(ratios), 1.3, relative_error=0.05)
+
+
+def test_lobes_too_sharp_for_the_nodes_look_the_same_where_they_are_stored():
+    scene = watched((3.5, 1.5, 1.2), exponent=300.0)
+    across = np.meshgrid([2.0], np.linspace(0.3, 2.7, 6), np.linspace(0.3, 1.7, 4))
+    points = np.stack(across, axis=-1).reshape(-1, 3)
+    toward = np.array([[-0.8, 0.5, 0.3], [-0.9, -0.4, 0.1], [-0.8, 0.2, -0.5], [-0.9, -0.3, -0.4]])
+    places, directions = np.tile(points, (4, 1)), np.repeat(toward, len(points), axis=0)
+    reflected, stored = [], []
+    for seed in range(4):
+        asked = {"edge": 0.5, "target": 0.05, "seed": seed}
+        spared, forced = found(scene, **asked), found(scene, mirrors="stored", angular="all", **asked)
+        assert (spared.plan.degree, forced.plan.degree) == (0, 53)
+        assert np.array_equal(spared.field.illuminance, forced.field.illuminance)
+        reflected.append([spared.field.radiance(places, directions).mean()])
+        stored.append([forced.field.radiance(places, directions).mean()])
+    one, other = np.array(reflected), np.array(stored)
+    assert same_mean(one, other, relative_error=0.05)
+    assert not same_mean(1.3 * one, other, relative_error=0.05)
 
 
 def test_a_mirror_may_show_any_side():

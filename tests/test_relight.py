@@ -18,7 +18,8 @@ from lelight.checkpoint.keeper import Keeper
 from lelight.comparison import sidak_level
 from lelight.errors import OutputError
 from lelight.estimate.angular import HarmonicDetail, angular_detail
-from lelight.estimate.batch import Effort, estimate_batch
+from lelight.estimate.batch import estimate_batch
+from lelight.estimate.blocks import Effort
 from lelight.harmonics.basis import evaluate
 from lelight.incident import IncidentLight
 from lelight.preparation import prepare

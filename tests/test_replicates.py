@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lelight.estimate.batch import Batch
+from lelight.estimate.blocks import Batch
 from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, visible_areas
 from lelight.estimate.schedule import next_step
 from lelight.receivers import ILLUMINANCE, MOMENTS

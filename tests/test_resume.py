@@ -28,7 +28,7 @@ from lelight.checkpoint.records import ARRAY, Record, form_of
 from lelight.checkpoint.segments import read_segment, write_segment
 from lelight.checkpoint.stop import Stop
 from lelight.errors import OutputError
-from lelight.estimate.batch import Effort
+from lelight.estimate.blocks import Effort
 from lelight.reading.loading import load
 from lelight.settings import Settings
 from lelight.writing.vtpreading import read_polydata

@@ -47,6 +47,7 @@ method = "grid"
 edge = 0.25
 seed = 7
 threads = 2
+memory = "3GB"
 estimator = "emitters"
 batches = 16
 directions = 64
@@ -102,6 +103,7 @@ def test_every_key_arrives(tmp_path: Path) -> None:
         "edge": 0.25,
         "seed": 7,
         "threads": 2,
+        "memory": 3e9,
         "estimator": "emitters",
         "adaptive": None,
         "batches": 16,

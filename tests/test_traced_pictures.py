@@ -25,7 +25,7 @@ from threeglosses import drawn_directions, three_glosses
 from lelight.calculation import calculate
 from lelight.camera import Fisheye
 from lelight.doublelocal import DoubleLocal, Unit, stored_base, traced_view
-from lelight.estimate.batch import Effort
+from lelight.estimate.blocks import Effort
 from lelight.estimate.effort import bound_for
 from lelight.estimate.variants import VARIANTS
 from lelight.field import RadianceField

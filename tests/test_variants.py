@@ -9,7 +9,8 @@ from test_estimators import RHO, THREADS, cube_receivers, furnace_base, furnace_
 from verdicts import agrees
 
 from lelight.calculation import calculate
-from lelight.estimate.batch import Effort, estimate_batch
+from lelight.estimate.batch import estimate_batch
+from lelight.estimate.blocks import Effort
 from lelight.estimate.effort import bound_for
 from lelight.estimate.variants import VARIANTS
 from lelight.settings import Settings

@@ -14,7 +14,7 @@ from lelight.versions import versions
 Identity = dict[str, dict[str, Any]]
 
 #: Settings that change no bit.
-WITHOUT_EFFECT = ("threads",)
+WITHOUT_EFFECT = ("threads", "memory", "cluster")
 #: Longest piece of a value that a difference repeats.
 LONGEST = 40
 

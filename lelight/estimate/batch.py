@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
@@ -18,79 +17,17 @@ import numpy as np
 from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import form_of
 from lelight.estimate.angular import Collecting
-from lelight.estimate.averaged import averaged_estimate
 from lelight.estimate.base import BaseField
+from lelight.estimate.blocks import CHAINS, Batch, BlockWork, Effort, Site
 from lelight.estimate.chainwalk import all_vertices
-from lelight.estimate.direct import direct_light
-from lelight.estimate.local import Arrivals, LocalEstimate, local_estimate
-from lelight.estimate.nearfield import near_field
 from lelight.estimate.variants import VARIANTS, Variant
-from lelight.estimate.workingset import SAMPLES_AT_ONCE, receivers_at_once
 from lelight.receivers import MOMENTS, Receivers
-from lelight.scene import FloatArray, IntArray
-from lelight.tracing.chains import ChainVertices
+from lelight.scene import IntArray
 from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World
 
 #: Receivers in a block: enough for coherent rays, few enough for memory and for all threads to have work.
 BLOCK = 1024
-#: What tells the random numbers of a batch's parts from each other.
-CHAINS, DIRECT, NEAR, DISC, LOBES = 1, 2, 3, 4, 5
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How many points the sequences of one replicate start with; every doubling takes as many as there are.
-
-    Attributes
-    ----------
-    log2_chains : int, chains from the emitters, as power of two
-    log2_direct : int, shadow rays to emitters for each receiver, as power of two
-    log2_near : int, near-field rays for each receiver, as power of two
-    bound : float, 1/m²; b that splits the kernel between chains and near field
-    variance, cost : (3,) float, what trials found of the parts (chains, direct light, near field) for one sample each:
-        square of the relative error, and rays a receiver, weighed by how long they take; 0 where nothing was tried
-    """
-
-    log2_chains: int
-    log2_direct: int
-    log2_near: int
-    bound: float
-    variance: FloatArray = field(default_factory=lambda: np.zeros(3), compare=False)
-    cost: FloatArray = field(default_factory=lambda: np.zeros(3), compare=False)
-
-    @property
-    def samples(self) -> FloatArray:
-        """Samples (3,) of the parts in one batch."""
-        return np.asarray(2.0 ** np.array([self.log2_chains, self.log2_direct, self.log2_near]))
-
-
-@dataclass(frozen=True)
-class Batch:
-    """What one batch found at r receivers, g of them with angular detail.
-
-    Attributes
-    ----------
-    direct, indirect : (r, 6, C) float, moments of light straight from emitters and of all the rest
-    angular : (g, width, C) float, or (0, 0, C) where nothing is glossy
-    vertices, rays : int, chain vertices and rays of all kinds
-    seconds : thread seconds spent on chains, on the pair kernel, on direct light and on the near field
-    """
-
-    direct: FloatArray
-    indirect: FloatArray
-    angular: FloatArray
-    vertices: int
-    rays: int
-    seconds: dict[str, float]
-
-    def halfway_to(self, other: Batch) -> Batch:
-        """Mean of what two stretches of as many points found; it takes this one's arrays."""
-        for name in ("direct", "indirect", "angular"):
-            mean = getattr(self, name)
-            mean += getattr(other, name)
-            mean *= 0.5
-        return self
 
 
 def estimate_batch(
@@ -123,6 +60,7 @@ def estimate_batch(
     started = perf_counter()
     keep = keep or Keeper()
     variant = variant or VARIANTS["base" if base is not None else "emitters"]
+    site = Site(world, receivers, base, detail, variant, effort)
     vertices = all_vertices(
         world, base, Stretch.of(effort.log2_chains, doubling), variant, (*seed, CHAINS), executor, keep
     )
@@ -131,9 +69,7 @@ def estimate_batch(
     parts = keep.map(
         executor,
         name,
-        lambda block: _estimate_block(
-            world, receivers[block], vertices, effort, variant, doubling, seed, base, detail, room
-        ),
+        BlockWork(site, vertices, seed, doubling, room),
         blocks,
         form_of(Batch),
     )
@@ -150,172 +86,6 @@ def blocks_of(degrees: IntArray) -> Iterator[IntArray]:
         own = np.flatnonzero(degrees == degree)
         for first in range(0, len(own), BLOCK):
             yield own[first : first + BLOCK]
-
-
-def _estimate_block(
-    world: World,
-    receivers: Receivers,
-    vertices: ChainVertices,
-    effort: Effort,
-    variant: Variant,
-    doubling: int,
-    seed: tuple[int, int],
-    base: BaseField | None,
-    detail: Collecting | None,
-    room: float,
-) -> Batch:
-    """Estimate at one block of receivers, as many of them at once as there is room for."""
-    log2_more = max(doubling - 1, 0)
-    at_once = receivers_at_once(
-        receivers,
-        room,
-        log2_direct=effort.log2_direct + log2_more,
-        log2_near=effort.log2_near + log2_more,
-        vertices=len(vertices),
-        channels=world.channels,
-        kept=detail.width if detail is not None and receivers.degrees[0] > 0 else 0,
-    )
-    return stacked(
-        [
-            _estimate_piece(world, piece, vertices, effort, variant, doubling, seed, base, detail)
-            for piece in receivers.chunks(at_once)
-        ]
-    )
-
-
-def stacked(parts: list[Batch]) -> Batch:
-    """Put what was found at pieces of a block one after the other."""
-    if len(parts) == 1:
-        return parts[0]
-    seconds: dict[str, float] = {}
-    for part in parts:
-        for stage, spent in part.seconds.items():
-            seconds[stage] = seconds.get(stage, 0.0) + spent
-    return Batch(
-        direct=np.concatenate([part.direct for part in parts]),
-        indirect=np.concatenate([part.indirect for part in parts]),
-        angular=np.concatenate([part.angular for part in parts]),
-        vertices=0,
-        rays=sum(part.rays for part in parts),
-        seconds=seconds,
-    )
-
-
-def _estimate_piece(
-    world: World,
-    receivers: Receivers,
-    vertices: ChainVertices,
-    effort: Effort,
-    variant: Variant,
-    doubling: int,
-    seed: tuple[int, int],
-    base: BaseField | None,
-    detail: Collecting | None,
-) -> Batch:
-    """Let chains, emitters and near surfaces light some receivers of one degree."""
-    times = [perf_counter()]
-    chains = chain_light(
-        world, receivers, vertices, variant, bound=effort.bound, seed=(*seed, DISC, doubling)
-    )
-    times.append(perf_counter())
-    direct, direct_rays = _direct(world, receivers, effort, doubling, (*seed, DIRECT))
-    times.append(perf_counter())
-    near = _near(world, receivers, effort, variant, doubling, (*seed, NEAR), base)
-    times.append(perf_counter())
-    if detail is not None and receivers.degrees[0] > 0:
-        angular = detail.collect(receivers, chains.arrivals + near.arrivals, seed=(*seed, LOBES, doubling))
-    else:
-        angular = np.zeros((0, 0, world.channels))
-    times.append(perf_counter())
-    spent = dict(zip(("kernel", "direct", "near_field", "angular"), np.diff(times).tolist(), strict=True))
-    rays = chains.rays + direct_rays + near.rays
-    return Batch(direct, chains.moments + near.moments, angular, 0, rays, spent)
-
-
-def chain_light(
-    world: World,
-    receivers: Receivers,
-    vertices: ChainVertices,
-    variant: Variant,
-    *,
-    bound: float,
-    seed: tuple[int, ...],
-) -> LocalEstimate:
-    """Light that chains give receivers: by the bounded or the raw kernel, at them or around them."""
-    bound = variant.chain_bound(bound)
-    if variant.averaged:
-        return averaged_estimate(world, receivers, vertices=vertices, seed=seed)
-    return local_estimate(world, receivers, vertices=vertices, bound=bound)
-
-
-def _direct(
-    world: World, receivers: Receivers, effort: Effort, doubling: int, seed: tuple[int, ...]
-) -> tuple[FloatArray, int]:
-    """Direct light of a block (r, 6, C), sampled as often as each receiver needs, and the rays it took."""
-    moments = np.zeros((len(receivers), MOMENTS, world.channels))
-    rays = 0
-    for part, share, own in _turns(effort.log2_direct + receivers.direct_doublings, doubling):
-        found, traced = direct_light(world, receivers[own], samples=part, seed=seed)
-        moments[own] += share * found
-        rays += traced
-    return moments, rays
-
-
-def near_light(
-    world: World,
-    receivers: Receivers,
-    samples: Stretch,
-    variant: Variant,
-    *,
-    bound: float,
-    seed: tuple[int, ...],
-    base: BaseField | None,
-) -> LocalEstimate:
-    """Light that rays from the receivers bring, which is what the variant's chains leave out."""
-    if variant.near == "none":
-        return LocalEstimate(np.zeros((len(receivers), MOMENTS, world.channels)), (), 0)
-    bound = variant.near_bound(bound)
-    return LocalEstimate(*near_field(world, receivers, bound=bound, samples=samples, seed=seed, base=base))
-
-
-def _near(
-    world: World,
-    receivers: Receivers,
-    effort: Effort,
-    variant: Variant,
-    doubling: int,
-    seed: tuple[int, ...],
-    base: BaseField | None,
-) -> LocalEstimate:
-    """Near field of a block, sampled as often as each receiver needs."""
-    moments = np.zeros((len(receivers), MOMENTS, world.channels))
-    arrivals: list[Arrivals] = []
-    rays = 0
-    for part, share, own in _turns(effort.log2_near + receivers.near_doublings, doubling):
-        found = near_light(world, receivers[own], part, variant, bound=effort.bound, seed=seed, base=base)
-        moments[own] += share * found.moments
-        arrivals += [_owned(arrival, own, share) for arrival in found.arrivals]
-        rays += found.rays
-    return LocalEstimate(moments, tuple(arrivals), rays)
-
-
-def _turns(log2_samples: IntArray, doubling: int) -> Iterator[tuple[Stretch, float, IntArray]]:
-    """Receivers by how often they sample, and by turns: points, their share of the stretch, receivers."""
-    counts = np.maximum(log2_samples, 0)
-    for log2_count in np.unique(counts):
-        stretch = Stretch.of(int(log2_count), doubling)
-        own = np.flatnonzero(counts == log2_count)
-        for part in stretch.parts(SAMPLES_AT_ONCE):
-            yield part, part.count / stretch.count, own
-
-
-def _owned(arrivals: Arrivals, own: IntArray, share: float) -> Arrivals:
-    """Arrivals of some receivers as those of the whole block, of which they are a share."""
-    return replace(
-        arrivals,
-        receiver=own[arrivals.receiver],
-        radiance_solid_angle=share * arrivals.radiance_solid_angle,
-    )
 
 
 def _assembled(

@@ -17,16 +17,8 @@ from lelight.channels import luminance_weighted
 from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import form_of
 from lelight.estimate.base import BaseField
-from lelight.estimate.batch import (
-    CHAINS,
-    DIRECT,
-    DISC,
-    NEAR,
-    Effort,
-    blocks_of,
-    chain_light,
-    near_light,
-)
+from lelight.estimate.batch import blocks_of
+from lelight.estimate.blocks import CHAINS, DIRECT, DISC, NEAR, Effort, chain_light, near_light
 from lelight.estimate.chainwalk import chain_vertices
 from lelight.estimate.direct import direct_light
 from lelight.estimate.replicates import DARK_SHARE, LEAST_REPLICATES

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from lelight.channels import is_spectral, luminance_weighted
-from lelight.estimate.batch import Batch
+from lelight.estimate.blocks import Batch
 from lelight.mesh.neighbours import half_pooled
 from lelight.receivers import ILLUMINANCE
 from lelight.scene import BoolArray, FloatArray, IntArray

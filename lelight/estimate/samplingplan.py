@@ -12,7 +12,7 @@ import numpy as np
 
 from lelight.errors import SceneError
 from lelight.estimate.base import BaseField
-from lelight.estimate.batch import Effort
+from lelight.estimate.blocks import Effort
 from lelight.estimate.cells import Cells
 from lelight.receivers import Receivers
 from lelight.scene import FloatArray, IntArray

@@ -14,6 +14,8 @@ from lelight.reading.limits import BRIGHTEST, FARTHEST, SHARPEST
 Triple = tuple[float, float, float]
 
 _SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
+_BYTES = {"": 1.0, "B": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12}
+_BYTES |= {"kiB": 2.0**10, "MiB": 2.0**20, "GiB": 2.0**30, "TiB": 2.0**40}
 
 
 def _is_number(found: object) -> bool:
@@ -109,6 +111,17 @@ def seconds(found: object) -> float:
     return float(time)
 
 
+def memory_size(found: object) -> float:
+    """Bytes from ``2e9``, ``"2GB"``, ``"500 MB"`` or ``"1.5GiB"``; ValueError names what is allowed."""
+    size = found
+    if isinstance(found, str):
+        match = re.fullmatch(r"\s*([0-9]+(?:\.[0-9]*)?(?:e[0-9]+)?)\s*([kMGT]i?B|B|)\s*", found)
+        size = float(match[1]) * _BYTES[match[2]] if match else None
+    if not isinstance(size, (int, float)) or not _is_number(size) or size <= 0:
+        raise ValueError('allowed is a size like 4e9, "4GB", "500MB" or "2GiB", above 0')
+    return float(size)
+
+
 def _nonzero(found: Triple) -> Triple:
     if not any(found):
         raise ValueError("allowed is a vector that is not zero")
@@ -153,6 +166,9 @@ RelativeError = Annotated[float, BeforeValidator(relative_error)]
 
 #: Time in s, :func:`seconds`.
 Seconds = Annotated[float, BeforeValidator(seconds)]
+
+#: Size in bytes, :func:`memory_size`.
+MemorySize = Annotated[float, BeforeValidator(memory_size)]
 
 #: Width of a band in m, 0 for none.
 Band = Annotated[float, number(0, 1000)]

@@ -31,6 +31,7 @@ from lelight.reading.quantities import (
     Exponent,
     Flux,
     Length,
+    MemorySize,
     Position,
     Positive,
     Reflectance,
@@ -220,6 +221,7 @@ class CalcTable(Table):
     edge: Length | None = None
     seed: Annotated[int, Field(ge=0, lt=2**63)] | None = None
     threads: Count | None = None
+    memory: MemorySize | None = None
     estimator: Estimator | None = None
     adaptive: bool | None = None
     batches: Annotated[Count, Field(ge=2)] | None = None

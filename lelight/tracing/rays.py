@@ -55,6 +55,7 @@ class RayCaster:
     """Embree's view of a triangle mesh; safe to call from several threads, each call runs in its own."""
 
     def __init__(self, vertices: FloatArray, triangles: IntArray) -> None:
+        self._mesh = vertices, triangles
         used = vertices[triangles.reshape(-1)]
         low, high = used.min(axis=0), used.max(axis=0)
         self.corners: FloatArray = vertices[triangles]
@@ -70,6 +71,10 @@ class RayCaster:
         self._scene = EmbreeScene(self._device, robust=True)
         scaled = ((self.corners - self.centre) * self.scale).reshape(-1, 3).astype(np.float32)
         TriangleMesh(self._scene, scaled, np.arange(len(scaled), dtype=np.int32).reshape(-1, 3))
+
+    def __reduce__(self) -> tuple[type[RayCaster], tuple[FloatArray, IntArray]]:
+        """Build anew in another process, which has embree of its own."""
+        return RayCaster, self._mesh
 
     @classmethod
     def of(cls, scene: Scene) -> RayCaster:

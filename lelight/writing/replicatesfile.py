@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lelight.errors import OutputError
-from lelight.estimate.batch import Effort
+from lelight.estimate.blocks import Effort
 from lelight.estimate.replicates import Replicates
 from lelight.estimate.samplingplan import SamplingPlan, StartingCells
 from lelight.receivers import ILLUMINANCE

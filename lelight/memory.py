@@ -1,0 +1,102 @@
+"""Memory that a run may take, what it will take, and how much of that a block of receivers may.
+
+Blocks are worked on in pieces of any size without a change of bits; what stays, nodes times their angular detail, does
+not shrink, and a run in which that does not fit is refused before it begins.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from lelight.errors import SceneError
+from lelight.harmonics.indices import terms
+
+#: Share of the free memory that a run takes at the most, where nothing was asked for.
+SHARE_OF_FREE = 0.7
+#: Bytes at rest: program, libraries and a scene of some thousand triangles.
+AT_REST = 5.5e8
+#: Bytes of a receiver at the height of a run, and arrays of angular detail, of 8 bytes a number, that exist at once.
+OF_RECEIVER, ANGULAR_ARRAYS = 1_250.0, 6.0
+#: Bytes that a worker's block needs at least.
+LEAST_ROOM = 2.0e7
+#: Where Linux tells how much memory is free, and what a control group may take.
+MEMINFO = Path("/proc/meminfo")
+GROUP_LIMITS = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"))
+
+
+def free_memory() -> float:
+    """Bytes that are free, or may be freed, and that this process may take."""
+    return min(_free_of_machine(), *(_limit(path) for path in GROUP_LIMITS))
+
+
+def _free_of_machine() -> float:
+    try:
+        lines = dict(line.split(":", 1) for line in MEMINFO.read_text().splitlines())
+        return 1024.0 * float(lines["MemAvailable"].split()[0])
+    except (OSError, KeyError, ValueError):
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+
+
+def _limit(path: Path) -> float:
+    """Bytes of a control group, without limit where there is none."""
+    try:
+        return float(path.read_text())
+    except (OSError, ValueError):
+        return float("inf")
+
+
+def allowed_memory(asked: float | None) -> float:
+    """Bytes that a run may take: what was asked for, or a share of what is free."""
+    return asked if asked is not None else SHARE_OF_FREE * free_memory()
+
+
+def memory_at_rest(receivers: float, detailed: float, *, degree: int, channels: int) -> float:
+    """Bytes of a run without the blocks under way.
+
+    Parameters
+    ----------
+    receivers, detailed : how many there are, and how many of them keep angular detail
+    degree : of that detail
+    """
+    detail = 8.0 * ANGULAR_ARRAYS * terms(degree) * channels
+    return AT_REST + OF_RECEIVER * receivers + detail * detailed
+
+
+def room_of_blocks(allowed: float, at_rest: float, workers: int) -> float:
+    """Bytes that each block under way may take of what is left."""
+    return max((allowed - at_rest) / workers, LEAST_ROOM)
+
+
+def require_fitting(
+    name: str, receivers: int, detailed: int, *, degree: int, channels: int, edge: float, allowed: float
+) -> float:
+    """Bytes at rest of a run, if they fit into what is allowed.
+
+    Parameters
+    ----------
+    name : of the scene
+    edge : float, m, of its mesh
+
+    Raises
+    ------
+    SceneError
+        where they do not, with the numbers and with what would fit
+    """
+    needed = memory_at_rest(receivers, detailed, degree=degree, channels=channels)
+    if needed + LEAST_ROOM <= allowed:
+        return needed
+    what = f"{receivers} places"
+    if detailed:
+        what += f", {detailed} of them with harmonics of degree {degree},"
+    own = needed - AT_REST
+    left = allowed - AT_REST - LEAST_ROOM
+    text = f"{name}: {what} take {_told(needed)} of memory, {_told(allowed)} are allowed; "
+    if left <= 0:
+        raise SceneError(f"{text}at least {_told(AT_REST + LEAST_ROOM)} are needed: raise --memory")
+    # The places of a surface grow with the inverse square of the edge.
+    raise SceneError(f"{text}--edge {edge * (own / left) ** 0.5:.2g} would fit, or raise --memory")
+
+
+def _told(size: float) -> str:
+    return f"{size / 1e9:.2g} GB" if size >= 1e9 else f"{size / 1e6:.0f} MB"
