@@ -214,11 +214,13 @@ def forecast(scene: Scene, settings: Settings) -> tuple[Forecast, Calculation]:
     edge = settings.edge or default_edge(scene) * settings.edge_scale
     seconds, error = pilot.seconds_for(edge, settings.target_error), min(settings.target_error, pilot.least)
     if settings.time is not None:
+        # The run has a pilot of its own.
+        left = max(settings.time - pilot.seconds, 0.0)
         if settings.edge is None:
-            pilot, edge = dialled(pilot, scene, settings.time)
+            pilot, edge = dialled(pilot, scene, left)
         asked = settings.target_error if settings.target is not None else 0.0
-        error = max(pilot.error_in(edge, settings.time), asked)
-        seconds = min(settings.time, pilot.seconds_for(edge, max(asked, LEAST_TARGET)))
+        error = max(pilot.error_in(edge, left), asked)
+        seconds = min(settings.time, pilot.seconds + pilot.seconds_for(edge, max(asked, LEAST_TARGET)))
     nodes = pilot.nodes * pilot.vertices_at(edge) / pilot.vertices
     detailed = np.count_nonzero(run.field.values.sh_degree) / len(run.field.mesh)
     memory = memory_at_rest(

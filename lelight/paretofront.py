@@ -8,6 +8,9 @@ import numpy as np
 
 from lelight.scene import BoolArray, FloatArray
 
+#: The longest run takes at least so many times the shortest where a slope is told from them.
+LEAST_SPAN = 1.5
+
 
 def pareto_front(seconds: FloatArray, errors: FloatArray) -> BoolArray:
     """Mark the runs (k,) that no other beats in both time and error."""
@@ -19,8 +22,8 @@ def pareto_front(seconds: FloatArray, errors: FloatArray) -> BoolArray:
 
 
 def slope(seconds: FloatArray, errors: FloatArray) -> float | None:
-    """Least-squares slope of log error over log time; -1/2 for plain Monte Carlo, None for too few runs."""
-    if len(seconds) < 2 or np.ptp(np.log(seconds)) < np.log(1.1):
+    """Least-squares slope of log error over log time; -1/2 for plain Monte Carlo, None for few or like runs."""
+    if len(seconds) < 2 or np.ptp(np.log(seconds)) < np.log(LEAST_SPAN):
         return None
     return float(np.polyfit(np.log(seconds), np.log(errors), 1)[0])
 
