@@ -130,8 +130,8 @@ def test_harmonics_are_named_one_by_one(field):
     array = field.GetPointData().GetAbstractArray("radiance_sh")
     names = [array.GetComponentName(index) for index in range(array.GetNumberOfComponents())]
     assert names == [f"Y_{n}_{m}" for n in range(degree + 1) for m in range(-n, n + 1)]
-    # The lobe of exponent 12 gets the degree of exponent 16, ceil(sqrt(2 16 ln(1 / 0.006))) = 13.
-    assert degree == 13
+    # The lobe of exponent 12 gets the degree of exponent 16, ceil(sqrt(2 16 ln(1 / 0.001))) = 15.
+    assert degree == 15
     materials = np.asarray(field.field_data["material_names"])[field.cell_data["material_id"]]
     glossy = np.unique(field.regular_faces[materials == "floor"])
     assert set(np.flatnonzero(field.point_data["sh_degree"])) == set(glossy)
@@ -422,5 +422,5 @@ def test_check_tells_plan_lint_and_cost_on_stdout(run):
     assert (told.status, told.stderr) == (0, "")
     titles = [line for line in told.stdout.splitlines() if line and not line.startswith(" ")]
     assert titles == ["Scene", "Plan", "Materials", "Lint", "A run will take"]
-    assert "gloss of floor: harmonics of degree 13 by method sh" in told.stdout
+    assert "gloss of floor: harmonics of degree 15 by method sh" in told.stdout
     assert "1 point luminaires, 1 observers, 1 planes" in told.stdout
