@@ -19,10 +19,10 @@ from lelight.camera import Camera, as_picture, stratified_offsets
 from lelight.channels import luminance_weighted
 from lelight.errors import OutputError
 from lelight.estimate.pathstate import Paths, chosen_paths
+from lelight.harmonics.bynode import synthesise_by_node
 from lelight.harmonics.frames import to_local
 from lelight.harmonics.indices import degree_of
-from lelight.harmonics.projection import synthesise_at
-from lelight.harmonics.synthesis import synthesise_by_node
+from lelight.harmonics.synthesis import synthesise_at
 from lelight.incident import IncidentLight
 from lelight.mesh.locate import Locator
 from lelight.mesh.nearest import TriangleGrid

@@ -14,7 +14,7 @@ from lelight.channels import luminance_weighted
 from lelight.estimate.replicates import DARK_SHARE
 from lelight.harmonics.frames import to_local
 from lelight.harmonics.indices import degree_of
-from lelight.harmonics.projection import synthesise_at
+from lelight.harmonics.synthesis import synthesise_at
 from lelight.mesh.locate import Locator, interpolate
 from lelight.mesh.nodes import NodeMesh
 from lelight.results import NodeValues

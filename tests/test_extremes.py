@@ -29,7 +29,7 @@ from lelight.errors import SceneError
 from lelight.estimate import defect, effort
 from lelight.estimate.angular import HarmonicDetail
 from lelight.estimate.local import Arrivals
-from lelight.harmonics.projection import synthesise_at
+from lelight.harmonics.synthesis import synthesise_at
 from lelight.harmonics.zonal import degree_for, reflected
 from lelight.reading.loading import load
 from lelight.receivers import space_receivers, with_surface

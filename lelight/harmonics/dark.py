@@ -13,8 +13,7 @@ import numpy as np
 
 from lelight.harmonics.indices import degree_of, degrees, terms
 from lelight.harmonics.moments import plane
-from lelight.harmonics.synthesis import complex_form
-from lelight.harmonics.transform import real_form
+from lelight.harmonics.transform import complex_form, real_form
 from lelight.scene import FloatArray
 
 #: Least radiance on the grid that is left as it is, as share of the peak; in between nothing is below -1e-3 then.

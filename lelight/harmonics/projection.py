@@ -1,4 +1,4 @@
-"""From scattered contributions to coefficients, and from coefficients to values.
+"""From scattered contributions to coefficients; `synthesis` is the way back.
 
 A contribution is a weight (C channels) that arrives from one direction: a delta on the sphere. The
 coefficients of many of them are sums of products, g_t = sum_k w_k Y_t(d_k), which is the adjoint of
@@ -10,9 +10,8 @@ but which has a fixed price for each call.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from lelight.harmonics.basis import check_degree, degree_of, evaluate_into, terms
+from lelight.harmonics.basis import check_degree, terms
 from lelight.harmonics.deposit import deposit
 from lelight.harmonics.transform import transform
 from lelight.scene import FloatArray, IntArray
@@ -107,63 +106,6 @@ def project_columns(
         own = slice(offsets[g], offsets[g + 1])
         out[g] = transform(degree, np.column_stack([each[own] for each in columns]), weights[:, own].T)
     return out
-
-
-def synthesise(coefficients: FloatArray, directions: FloatArray) -> FloatArray:
-    """Values of expansions, each at its own direction.
-
-    Parameters
-    ----------
-    coefficients : (k, T, C) float
-    directions : (k, 3) float, unit length
-
-    Returns
-    -------
-    (k, C) float
-    """
-    degree = degree_of(coefficients.shape[1])
-    check_degree(degree)
-    if len(coefficients) != len(directions):
-        raise ValueError(f"directions must have {len(coefficients)} rows, got {len(directions)}")
-    own = np.arange(len(directions))[:, None]
-    unit = np.ascontiguousarray(directions, dtype=np.float64)[:, None]
-    return np.asarray(synthesise_at(coefficients, degree, own, np.ones(own.shape), unit))
-
-
-@njit(nogil=True, cache=True)
-def synthesise_at(
-    coefficients: FloatArray, degree: int, nodes: IntArray, weights: FloatArray, directions: FloatArray
-) -> FloatArray:
-    """Weighted mixes of the fields of nodes, each evaluated along a direction in that node's own frame.
-
-    Parameters
-    ----------
-    coefficients : (n, T, C) float32 or float64
-    degree : int, at most that of the coefficients; terms above it are left out; unchecked
-    nodes : (k, j) int, the j corners whose fields are mixed (3 in a triangle)
-    weights : (k, j) float, barycentric coordinates
-    directions : (k, j, 3) float, unit, in the local frame of each corner
-
-    Returns
-    -------
-    (k, C) float
-    """
-    channels = coefficients.shape[2]
-    values = np.zeros((len(nodes), channels))
-    harmonics = np.empty((degree + 1) ** 2)
-    for k in range(len(nodes)):
-        for j in range(nodes.shape[1]):
-            if weights[k, j] == 0.0:
-                continue
-            direction = directions[k, j]
-            evaluate_into(degree, direction[0], direction[1], direction[2], harmonics)
-            field = coefficients[nodes[k, j]]
-            for c in range(channels):
-                radiance = 0.0
-                for t in range(len(harmonics)):
-                    radiance += harmonics[t] * field[t, c]
-                values[k, c] += weights[k, j] * radiance
-    return values
 
 
 def _contributions(

@@ -1,37 +1,34 @@
-"""Many values of few fields: each node's expansion in all the directions that are asked of it, at once.
+"""From coefficients to values: mixes of the expansions of nodes, each along its own direction.
 
-Where many are, ducc0's fast transform takes the same time for any degree; see `projection` for the break-even, which
-is that of the adjoint.
+The sum over a direction's harmonics runs degree by degree, all orders of one side by side; see `basis` for the
+recurrence. Corners that have the same frame, as on a flat surface, are mixed first and evaluated once.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
-
-import ducc0
 import numpy as np
-from numpy.typing import NDArray
+from numba import njit
 
-from lelight.harmonics.indices import degrees, orders, terms
-from lelight.harmonics.projection import break_even, synthesise_at
-from lelight.harmonics.transform import TRANSFORM_EPSILON, polar_angles
-from lelight.scene import FloatArray, IntArray
+from lelight.harmonics.basis import AHEAD, BEHIND, SECTORAL
+from lelight.scene import BoolArray, FloatArray, IntArray
+
+_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
+
+#: Factors a_lm and b_lm at [l, m].
+_AHEAD, _BEHIND = np.ascontiguousarray(AHEAD.T), np.ascontiguousarray(BEHIND.T)
 
 
-def synthesise_by_node(
-    coefficients: NDArray[np.floating],
-    degree: int,
-    nodes: IntArray,
-    weights: FloatArray,
-    directions: FloatArray,
+@njit(**_COMPILED)
+def synthesise_at(
+    coefficients: FloatArray, degree: int, nodes: IntArray, weights: FloatArray, directions: FloatArray
 ) -> FloatArray:
-    """Do as `synthesise_at`, faster where nodes are asked for many directions, to the transform's accuracy.
+    """Weighted mixes of the fields of nodes, each evaluated along a direction in that node's own frame.
 
     Parameters
     ----------
     coefficients : (n, T, C) float32 or float64
-    degree : int, at most that of the coefficients; terms above it are left out
-    nodes : (k, j) int, the corners whose fields are mixed
+    degree : int, at most that of the coefficients; terms above it are left out; unchecked
+    nodes : (k, j) int, the j corners whose fields are mixed (3 in a triangle)
     weights : (k, j) float, barycentric coordinates
     directions : (k, j, 3) float, unit, in the local frame of each corner
 
@@ -39,59 +36,67 @@ def synthesise_by_node(
     -------
     (k, C) float
     """
-    asked = weights != 0.0
-    counts = np.bincount(nodes[asked], minlength=len(coefficients))
-    crowded = counts > break_even(degree, coefficients.shape[2])
-    by_transform = asked & crowded[nodes]
-    values = synthesise_at(coefficients, degree, nodes, np.where(by_transform, 0.0, weights), directions)
-    row, _ = np.nonzero(by_transform)
-    owner, weight, along = nodes[by_transform], weights[by_transform], directions[by_transform]
-    order = np.argsort(owner, kind="stable")
-    first = np.flatnonzero(np.diff(owner[order], prepend=-1))
-    for own in np.split(order, first[1:]) if len(order) else []:
-        field = coefficients[owner[own[0]], : terms(degree)]
-        # A row asks a node once only for each of its corners, which are different nodes.
-        values[row[own]] += weight[own, None] * evaluated(field, degree, along[own])
-    return np.asarray(values)
+    channels = coefficients.shape[2]
+    values = np.zeros((len(nodes), channels))
+    mixed = np.empty((channels, (degree + 1) ** 2))
+    work = np.empty((4 + channels, degree + 1))
+    waiting = np.empty(nodes.shape[1], dtype=np.bool_)
+    for k in range(len(nodes)):
+        for j in range(nodes.shape[1]):
+            waiting[j] = weights[k, j] != 0.0
+        for j in range(nodes.shape[1]):
+            if waiting[j]:
+                _mix_alike(coefficients, nodes[k], weights[k], directions[k], j, waiting, mixed)
+                _add_value(degree, mixed, directions[k, j], work, values[k])
+    return values
 
 
-def evaluated(coefficients: NDArray[np.floating], degree: int, directions: FloatArray) -> FloatArray:
-    """Values (k, C) of one expansion (T, C) along unit directions (k, 3), by the fast transform.
-
-    ducc0 keeps m >= 0 of complex harmonics with the Condon-Shortley phase: (-1)^m / sqrt 2 of cosine and negative
-    sine coefficients are the real and imaginary parts of theirs.
-    """
-    angles = polar_angles(directions)
-    columns = [
-        ducc0.sht.synthesis_general(
-            alm=complex_form(np.asarray(channel, dtype=np.float64), degree)[None],
-            spin=0,
-            lmax=degree,
-            loc=angles,
-            epsilon=TRANSFORM_EPSILON,
-            nthreads=1,
-        )[0]
-        for channel in coefficients.T
-    ]
-    return np.stack(columns, axis=-1)
-
-
-def complex_form(coefficients: FloatArray, degree: int) -> NDArray[np.complex128]:
-    """Complex coefficients, m by m, of one channel's real ones (T,)."""
-    cosine, sine, factors, places = _layout(degree)
-    parts = np.zeros((degree + 1) * (degree + 2) // 2, dtype=np.complex128)
-    scaled = factors * coefficients
-    parts.real[places[cosine]] = scaled[cosine]
-    parts.imag[places[sine]] = scaled[sine]
-    return parts
+@njit(**_COMPILED)
+def _mix_alike(
+    coefficients: FloatArray,
+    nodes: IntArray,
+    weights: FloatArray,
+    directions: FloatArray,
+    first: int,
+    waiting: BoolArray,
+    mixed: FloatArray,
+) -> None:
+    """Write the mix (C, T) of the waiting corners (j,) that look along the first one's direction."""
+    mixed[:] = 0.0
+    d = directions[first]
+    for j in range(first, len(nodes)):
+        along = directions[j]
+        if not waiting[j] or along[0] != d[0] or along[1] != d[1] or along[2] != d[2]:
+            continue
+        waiting[j] = False
+        field, weight = coefficients[nodes[j]], weights[j]
+        for c in range(len(mixed)):
+            for t in range(mixed.shape[1]):
+                mixed[c, t] += weight * field[t, c]
 
 
-@lru_cache(maxsize=64)
-def _layout(degree: int) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray, NDArray[np.intp]]:
-    """Which real coefficients are of cosines and of sines, their factors, and their places among the complex ones."""
-    order = orders(degree)
-    size = np.abs(order)
-    places = size * (2 * degree + 1 - size) // 2 + degrees(degree)
-    signs = np.where(order < 0, -1.0, 1.0) * (-1.0) ** size
-    factors = np.where(order == 0, 1.0, np.sqrt(0.5) * signs)
-    return np.flatnonzero(order >= 0), np.flatnonzero(order < 0), factors, places
+@njit(**_COMPILED)
+def _add_value(
+    degree: int, coefficients: FloatArray, direction: FloatArray, work: FloatArray, value: FloatArray
+) -> None:
+    """Add what coefficients (C, T) give along a direction to ``value`` (C,); ``work`` is (4 + C, degree + 1)."""
+    cosine, sine, here, behind, sums = work[0], work[1], work[2], work[3], work[4:]
+    x, y, z = direction[0], direction[1], direction[2]
+    sums[:], here[:], behind[:] = 0.0, 0.0, 0.0
+    cosine[0], sine[0] = 1.0, 0.0
+    for m in range(degree):
+        cosine[m + 1], sine[m + 1] = x * cosine[m] - y * sine[m], x * sine[m] + y * cosine[m]
+    for ell in range(degree + 1):
+        here[ell] = SECTORAL[ell]
+        centre = ell * ell + ell
+        for c in range(len(value)):
+            field, own = coefficients[c], sums[c]
+            for m in range(ell + 1):
+                own[m] += here[m] * (cosine[m] * field[centre + m] + sine[m] * field[centre - m])
+        ahead, back = _AHEAD[ell], _BEHIND[ell]
+        for m in range(ell + 1):
+            further = ahead[m] * z * here[m] - back[m] * behind[m]
+            behind[m], here[m] = here[m], further
+    for c in range(len(value)):
+        for m in range(degree + 1):
+            value[c] += sums[c, m]

@@ -46,6 +46,27 @@ def _transform_channel(degree: int, angles: FloatArray, weights: FloatArray) -> 
     return real_form(complex_coefficients, degree)
 
 
+def evaluated(coefficients: NDArray[np.floating], degree: int, directions: FloatArray) -> FloatArray:
+    """Values (k, C) of one expansion (T, C) along unit directions (k, 3), by the fast transform.
+
+    ducc0 keeps m >= 0 of complex harmonics with the Condon-Shortley phase: (-1)^m / sqrt 2 of cosine and negative
+    sine coefficients are the real and imaginary parts of theirs.
+    """
+    angles = polar_angles(directions)
+    columns = [
+        ducc0.sht.synthesis_general(
+            alm=complex_form(np.asarray(channel, dtype=np.float64), degree)[None],
+            spin=0,
+            lmax=degree,
+            loc=angles,
+            epsilon=TRANSFORM_EPSILON,
+            nthreads=1,
+        )[0]
+        for channel in coefficients.T
+    ]
+    return np.stack(columns, axis=-1)
+
+
 def real_form(complex_coefficients: NDArray[np.complexfloating], degree: int) -> FloatArray:
     """Coefficients (T,) from ducc0's complex ones, m by m.
 
@@ -65,6 +86,27 @@ def _real_form(degree: int) -> tuple[NDArray[np.intp], FloatArray, FloatArray]:
     sources = size * (2 * degree + 1 - size) // 2 + degrees(degree)
     scale = np.where(order == 0, 1.0, np.sqrt(2.0) * (-1.0) ** size)
     return sources, np.where(order >= 0, scale, 0.0), np.where(order < 0, -scale, 0.0)
+
+
+def complex_form(coefficients: FloatArray, degree: int) -> NDArray[np.complex128]:
+    """Complex coefficients, m by m, of one channel's real ones (T,)."""
+    cosine, sine, factors, places = _complex_form(degree)
+    parts = np.zeros((degree + 1) * (degree + 2) // 2, dtype=np.complex128)
+    scaled = factors * coefficients
+    parts.real[places[cosine]] = scaled[cosine]
+    parts.imag[places[sine]] = scaled[sine]
+    return parts
+
+
+@lru_cache(maxsize=64)
+def _complex_form(degree: int) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray, NDArray[np.intp]]:
+    """Which real coefficients are of cosines and of sines, their factors, and their places among the complex ones."""
+    order = orders(degree)
+    size = np.abs(order)
+    places = size * (2 * degree + 1 - size) // 2 + degrees(degree)
+    signs = np.where(order < 0, -1.0, 1.0) * (-1.0) ** size
+    factors = np.where(order == 0, 1.0, np.sqrt(0.5) * signs)
+    return np.flatnonzero(order >= 0), np.flatnonzero(order < 0), factors, places
 
 
 def polar_angles(directions: FloatArray) -> FloatArray:
