@@ -38,7 +38,8 @@ _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 #: Shadow rays that tell beforehand how much of the emitters a receiver sees, as power of two.
 LOG2_PREVIEW = 5
 #: Where less than this share came through, it may be by a slit. So many more rays tell then, for so many
-#: receivers at once, and where it is little but something, receivers sample so much more often, as power of two.
+#: receivers at once, and where it is little but something, receivers sample more often, so much at the most, as power
+#: of two.
 LITTLE = 0.1
 LOG2_SLIT_PREVIEW, BLOCKED_AT_ONCE, SLIT_DOUBLINGS = 10, 256, 6
 
@@ -144,9 +145,21 @@ def with_clear_share(world: World, receivers: Receivers, *, seed: tuple[int, ...
     for first in range(0, len(blocked), BLOCKED_AT_ONCE):
         asked = blocked[first : first + BLOCKED_AT_ONCE]
         share[asked] = _clear_share(world, receivers[asked], LOG2_SLIT_PREVIEW, seed)
-        doublings[asked[(share[asked] > 0.0) & (share[asked] < LITTLE)]] += SLIT_DOUBLINGS
+        doublings[asked] += _slit_doublings(share[asked])
     exact = closed_forms(world.emitters, receivers.points, receivers.normals)
     return replace(receivers, clear_share=np.where(exact, share, 0.0), direct_doublings=doublings)
+
+
+def behind_slits(share: FloatArray) -> BoolArray:
+    """Say which receivers see a little of what they would without anything between, by their clear share (r,)."""
+    return np.asarray((share > 0.0) & (share < LITTLE))
+
+
+def _slit_doublings(share: FloatArray) -> IntArray:
+    """How much more often to sample (r,), by the relative deviation of one ray that comes through or not."""
+    seen = np.clip(share, 0.25**SLIT_DOUBLINGS, LITTLE)
+    doublings = np.rint(0.5 * np.log2(1.0 / seen - 1.0)).astype(np.int64)
+    return np.where(behind_slits(share), np.minimum(doublings, SLIT_DOUBLINGS), 0)
 
 
 def with_rough_clear_share(

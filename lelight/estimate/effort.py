@@ -20,7 +20,7 @@ from lelight.estimate.base import BaseField
 from lelight.estimate.batch import blocks_of
 from lelight.estimate.blocks import CHAINS, DIRECT, DISC, NEAR, Effort, chain_light, near_light
 from lelight.estimate.chainwalk import chain_vertices
-from lelight.estimate.direct import direct_light
+from lelight.estimate.direct import behind_slits, direct_light
 from lelight.estimate.replicates import DARK_SHARE, LEAST_REPLICATES
 from lelight.estimate.variants import VARIANTS, Variant
 from lelight.mesh.neighbours import alike, half_pooled, most_alike
@@ -117,10 +117,15 @@ def choose_effort(
     chosen = trials.keep.once("effort", choose, form_of(_Chosen))
     shared_out = replace(
         receivers,
-        direct_doublings=receivers.direct_doublings + chosen.direct,
+        direct_doublings=receivers.direct_doublings + _but_for_slits(receivers, chosen.direct),
         near_doublings=receivers.near_doublings + chosen.near,
     )
     return chosen.effort, shared_out
+
+
+def _but_for_slits(receivers: Receivers, doublings: IntArray) -> IntArray:
+    """Doublings (r,) less those of receivers behind slits, which sample more often by what many rays have told."""
+    return np.where(behind_slits(receivers.clear_share), np.minimum(doublings, 0), doublings)
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ class Stretch:
             yield Stretch(first, min(most, self.first + self.count - first))
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=256)
 def sobol(dimensions: int, stretch: Stretch, *, seed: tuple[int, ...]) -> FloatArray:
     """Scrambled Sobol points, every one of them (dropping the first breaks the balance; Owen 2020).
 
