@@ -15,7 +15,7 @@ from lelight.scene import FloatArray, Scene
 #: Rays start this far off their surface, in m, and shadow rays end as far off theirs.
 LIFT = 2e-5
 #: Exponents above this are sampled.
-SHARP = 100.0
+SHARP = 20.0
 
 
 class PathTracer:

@@ -19,6 +19,7 @@ from lelight.errors import ClusterError
 from lelight.estimate.blocks import BlockWork, Site
 from lelight.reading.loading import load
 from lelight.settings import Settings
+from lelight.tracing.chains import no_vertices
 
 SETTINGS = Settings(edge=0.16, target=0.2, batches=8, threads=2)
 
@@ -81,7 +82,7 @@ def test_workers_of_another_version_are_refused(monkeypatch):
 
 def test_errors_of_a_block_are_raised_here():
     empty = Site(None, None, None, None, None, None)
-    broken = BlockWork(empty, vertices=None, seed=(1, 2), doubling=0, room=1e9)
+    broken = BlockWork(empty, vertices=no_vertices(1), seed=(1, 2), doubling=0, room=1e9)
     with cluster_executor("local:1", 1) as executor:
         assert executor.submit(os.getpid).result() == os.getpid()
         with pytest.raises(TypeError, match="NoneType"):

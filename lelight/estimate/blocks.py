@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
@@ -14,12 +13,12 @@ from lelight.estimate.base import BaseField
 from lelight.estimate.direct import direct_light
 from lelight.estimate.local import Arrivals, LocalEstimate, local_estimate
 from lelight.estimate.nearfield import near_field
+from lelight.estimate.turns import Turn, turns
 from lelight.estimate.variants import Variant
-from lelight.estimate.workingset import SAMPLES_AT_ONCE, receivers_at_once
+from lelight.estimate.workingset import receivers_at_once
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.chains import ChainVertices
-from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World
 
 #: What tells the random numbers of a batch's parts from each other.
@@ -202,17 +201,18 @@ def _direct(
     """Direct light of a block (r, 6, C), sampled as often as each receiver needs, and the rays it took."""
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
     rays = 0
-    for part, share, own in _turns(effort.log2_direct + receivers.direct_doublings, doubling):
-        found, traced = direct_light(world, receivers[own], samples=part, seed=seed)
-        moments[own] += share * found
-        rays += traced
+    for together in turns(effort.log2_direct + receivers.direct_doublings, doubling):
+        for turn in together:
+            found, traced = direct_light(world, receivers[turn.own], samples=turn.samples, seed=seed)
+            moments[turn.own] += turn.share * found
+            rays += traced
     return moments, rays
 
 
 def near_light(
     world: World,
     receivers: Receivers,
-    samples: Stretch,
+    together: tuple[Turn, ...],
     variant: Variant,
     *,
     bound: float,
@@ -223,7 +223,7 @@ def near_light(
     if variant.near == "none":
         return LocalEstimate(np.zeros((len(receivers), MOMENTS, world.channels)), (), 0)
     bound = variant.near_bound(bound)
-    return LocalEstimate(*near_field(world, receivers, bound=bound, samples=samples, seed=seed, base=base))
+    return LocalEstimate(*near_field(world, receivers, bound=bound, together=together, seed=seed, base=base))
 
 
 def _near(
@@ -239,28 +239,9 @@ def _near(
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
     arrivals: list[Arrivals] = []
     rays = 0
-    for part, share, own in _turns(effort.log2_near + receivers.near_doublings, doubling):
-        found = near_light(world, receivers[own], part, variant, bound=effort.bound, seed=seed, base=base)
-        moments[own] += share * found.moments
-        arrivals += [_owned(arrival, own, share) for arrival in found.arrivals]
+    for together in turns(effort.log2_near + receivers.near_doublings, doubling):
+        found = near_light(world, receivers, together, variant, bound=effort.bound, seed=seed, base=base)
+        moments += found.moments
+        arrivals += found.arrivals
         rays += found.rays
     return LocalEstimate(moments, tuple(arrivals), rays)
-
-
-def _turns(log2_samples: IntArray, doubling: int) -> Iterator[tuple[Stretch, float, IntArray]]:
-    """Receivers by how often they sample, and by turns: points, their share of the stretch, receivers."""
-    counts = np.maximum(log2_samples, 0)
-    for log2_count in np.unique(counts):
-        stretch = Stretch.of(int(log2_count), doubling)
-        own = np.flatnonzero(counts == log2_count)
-        for part in stretch.parts(SAMPLES_AT_ONCE):
-            yield part, part.count / stretch.count, own
-
-
-def _owned(arrivals: Arrivals, own: IntArray, share: float) -> Arrivals:
-    """Arrivals of some receivers as those of the whole block, of which they are a share."""
-    return replace(
-        arrivals,
-        receiver=own[arrivals.receiver],
-        radiance_solid_angle=share * arrivals.radiance_solid_angle,
-    )

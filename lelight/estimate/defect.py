@@ -21,6 +21,7 @@ from lelight.estimate.base import BaseField
 from lelight.estimate.cells import Cells, Drawn, cut
 from lelight.estimate.direct import direct_light, drawn_illuminance, illuminance_and_density
 from lelight.estimate.nearfield import near_field
+from lelight.estimate.turns import Turn
 from lelight.receivers import ILLUMINANCE, Receivers, space_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, triangle_areas
 from lelight.tracing.chains import (
@@ -237,7 +238,8 @@ def _rest_of_defect(
     seed: tuple[int, ...],
 ) -> FloatArray:
     """Illuminance (k, C) that the base gives at places, gathered by the receivers there, less what it says of them."""
-    gathered, _, _ = near_field(world, receivers, bound=math.inf, samples=samples, seed=seed, base=base)
+    at_once = (Turn.of_all(samples, len(receivers)),)
+    gathered, _, _ = near_field(world, receivers, bound=math.inf, together=at_once, seed=seed, base=base)
     return gathered[:, ILLUMINANCE] - base.illuminance_at(start.triangles, start.points, start.front)
 
 

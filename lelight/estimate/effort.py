@@ -22,6 +22,7 @@ from lelight.estimate.blocks import CHAINS, DIRECT, DISC, NEAR, Effort, chain_li
 from lelight.estimate.chainwalk import chain_vertices
 from lelight.estimate.direct import behind_slits, direct_light
 from lelight.estimate.replicates import DARK_SHARE, LEAST_REPLICATES
+from lelight.estimate.turns import Turn
 from lelight.estimate.variants import VARIANTS, Variant
 from lelight.mesh.neighbours import alike, half_pooled, most_alike
 from lelight.receivers import ILLUMINANCE, Receivers
@@ -265,18 +266,17 @@ def _spread(trials: _Trials, name: str, receivers: Receivers, bound: float, area
     light = np.zeros((TRIALS, len(TRIAL), len(receivers)))
     rays = np.zeros(len(TRIAL))
 
-    one_stretch = Stretch.of(TRIAL[2])
-
     def try_block(block: IntArray) -> _Tried:
         own = receivers[block]
         found, spent = np.zeros((TRIALS, len(TRIAL), len(own))), np.zeros(len(TRIAL))
+        at_once = Turn.of_all(Stretch.of(TRIAL[2]), len(own))
         for k, vertices in enumerate(chains):
             trial = (seed, TRIAL_SEED + k)
             of_chains = chain_light(world, own, vertices, variant, bound=bound, seed=(*trial, DISC))
             direct, direct_rays = direct_light(
                 world, own, samples=Stretch.of(TRIAL[1]), seed=(*trial, DIRECT)
             )
-            near = near_light(world, own, one_stretch, variant, bound=bound, seed=(*trial, NEAR), base=base)
+            near = near_light(world, own, (at_once,), variant, bound=bound, seed=(*trial, NEAR), base=base)
             for part, moments in enumerate((of_chains.moments, direct, near.moments)):
                 found[k, part] = luminance_weighted(moments[:, ILLUMINANCE])
             spent += np.array([of_chains.rays, INCOHERENT_COST * direct_rays, INCOHERENT_COST * near.rays])

@@ -20,6 +20,7 @@ from lelight.estimate.moments import add_arrivals
 from lelight.estimate.paths import NUMBERS, reflected_radiance, rotated_numbers
 from lelight.estimate.pathstate import Paths, chosen_paths, meet
 from lelight.estimate.split import list_near
+from lelight.estimate.turns import Turn
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import hash_of
@@ -44,7 +45,7 @@ def near_field(
     receivers: Receivers,
     *,
     bound: float,
-    samples: Stretch,
+    together: tuple[Turn, ...],
     seed: tuple[int, ...],
     base: SurfaceLuminance | None = None,
 ) -> tuple[FloatArray, tuple[Arrivals, ...], int]:
@@ -54,7 +55,7 @@ def near_field(
     ----------
     bound : float, 1/m², b of the split; inf leaves only the base
     base : a field to gather where the kernel is bounded; the chains then carry what it lacks
-    samples : the rays of each receiver, as points of its sequence
+    together : the rays of the receivers, as points of their sequences; receivers without a turn get nothing
 
     Returns
     -------
@@ -62,12 +63,9 @@ def near_field(
     arrivals : single rays, only where receivers keep angular detail
     rays : int
     """
-    key = hash_of(seed)
-    table = sobol(2 + NUMBERS, samples, seed=seed)
-    receiver, sample = np.divmod(np.arange(len(receivers) * len(table)), len(table))
-    numbers = np.empty((len(receiver), 2 + NUMBERS))
-    rotated_numbers(table, key, receivers.identity, numbers)
-    directions, factor = _directions(receivers, numbers, len(table))
+    receiver, sample, share = _samples(together)
+    numbers = _numbers(receivers, together, seed)
+    directions, solid_angle = _directions(receivers, receiver, numbers)
     paths = _first_surfaces(world, receivers, receiver, directions)
     near = np.flatnonzero(list_near(world.reflectances, paths.materials, paths.geometry, bound))
     gathered, paths = paths, chosen_paths(paths, near)
@@ -76,13 +74,14 @@ def near_field(
         paths,
         bound=bound,
         numbers=numbers[paths.number, 2:],
-        identity=receivers.identity[receiver] * MOST_SAMPLES + samples.first + sample,
+        identity=receivers.identity[receiver] * MOST_SAMPLES + sample,
         key=hash_of((*seed, 1)),
     )
     if base is not None:
         radiance[gathered.number] += _bounded_base(world, base, gathered, bound)
     lit = np.flatnonzero(radiance.any(axis=1))
-    arrivals = Arrivals(lit // len(table), directions[lit], radiance[lit] * factor[lit, None] / len(table))
+    weight = (solid_angle * share)[lit, None]
+    arrivals = Arrivals(receiver[lit], directions[lit], radiance[lit] * weight)
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
     add_arrivals(
         moments, arrivals.receiver, arrivals.directions, receivers.normals, arrivals.radiance_solid_angle
@@ -97,8 +96,8 @@ def hemisphere_rays(
     table = sobol(2, samples, seed=seed)
     numbers = np.empty((len(receivers) * len(table), 2))
     rotated_numbers(table, hash_of(seed), receivers.identity, numbers)
-    directions, _ = _directions(receivers, numbers, len(table))
     receiver = np.repeat(np.arange(len(receivers)), len(table))
+    directions, _ = _directions(receivers, receiver, numbers)
     return world.caster.leave(receivers.points, receivers.normals)[receiver], directions, receiver
 
 
@@ -114,11 +113,36 @@ def _with_detail(receivers: Receivers, arrivals: Arrivals) -> tuple[Arrivals, ..
     )
 
 
-def _directions(receivers: Receivers, numbers: FloatArray, samples: int) -> tuple[FloatArray, FloatArray]:
+def _samples(together: tuple[Turn, ...]) -> tuple[IntArray, IntArray, FloatArray]:
+    """Receiver (k,), place in its sequence (k,), and share of all its samples (k,), of every sample."""
+    receiver = np.concatenate([np.repeat(turn.own, turn.samples.count) for turn in together])
+    sample = np.concatenate(
+        [np.tile(turn.samples.first + np.arange(turn.samples.count), len(turn.own)) for turn in together]
+    )
+    share = np.concatenate([np.full(len(turn), turn.share / turn.samples.count) for turn in together])
+    return receiver, sample, share
+
+
+def _numbers(receivers: Receivers, together: tuple[Turn, ...], seed: tuple[int, ...]) -> FloatArray:
+    """Uniform numbers (k, 9) of every sample: two for its direction, the rest for the first surface."""
+    numbers = np.empty((sum(len(turn) for turn in together), 2 + NUMBERS))
+    first = 0
+    for turn in together:
+        table = sobol(2 + NUMBERS, turn.samples, seed=seed)
+        rotated_numbers(
+            table, hash_of(seed), receivers.identity[turn.own], numbers[first : first + len(turn)]
+        )
+        first += len(turn)
+    return numbers
+
+
+def _directions(
+    receivers: Receivers, receiver: IntArray, numbers: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """First directions (k, 3) and the solid angle (k,) in sr that each stands for, one over its density."""
     directions = np.empty((len(numbers), 3))
     solid_angles = np.empty(len(numbers))
-    _draw_directions(receivers.normals, receivers.on_surface, numbers, samples, directions, solid_angles)
+    _draw_directions(receivers.normals, receivers.on_surface, receiver, numbers, directions, solid_angles)
     return directions, solid_angles
 
 
@@ -126,13 +150,13 @@ def _directions(receivers: Receivers, numbers: FloatArray, samples: int) -> tupl
 def _draw_directions(
     normals: FloatArray,
     on_surface: BoolArray,
+    receiver: IntArray,
     numbers: FloatArray,
-    samples: int,
     directions: FloatArray,
     solid_angles: FloatArray,
 ) -> None:
     for k in range(len(numbers)):
-        r = k // samples
+        r = receiver[k]
         u, v = numbers[k, 0], numbers[k, 1]
         if on_surface[r] or u < 0.5:
             x, y, z = cosine_direction(u if on_surface[r] else 2.0 * u, v)
