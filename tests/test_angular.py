@@ -34,14 +34,15 @@ DIFFUSE, SPECULAR = np.array([0.3, 0.2, 0.1]), np.array([0.2, 0.3, 0.4])
 OWNERS = np.array([2, 0, 2, 2, 0, 2])
 
 
-def made(exponent):
+def made(exponent, degree=None):
+    """Three receivers of one glossy material, at its own degree unless another is given."""
     material = Material("gloss", DIFFUSE, specular=SPECULAR, exponent=exponent)
     reflectances = collect_reflectances(lit(box(), materials=[material]), channel_matrix(3))
     normals = normalised(np.random.default_rng(1).normal(size=(3, 3)))
     receivers = replace(
         with_surface(space_receivers(np.zeros((3, 3)), normals)),
         frames_x=frames_x(normals),
-        degrees=np.full(3, stored_degree(material)),
+        degrees=np.full(3, stored_degree(material) if degree is None else degree),
         materials=np.zeros(3, dtype=int),
     )
     return reflectances, receivers
@@ -199,8 +200,9 @@ def test_a_material_that_is_not_stored_keeps_its_constant_only():
 
 def test_grid_converges_to_the_closed_form_as_directions_grow():
     """Each of the three extensions to its own limit: none left, a kink and a jump at the horizon."""
-    reflectances, receivers = made(16.0)
-    arrivals, views, degree = arrivals_at(receivers), upper_views(), 13
+    degree = 13
+    reflectances, receivers = made(16.0, degree)
+    arrivals, views = arrivals_at(receivers), upper_views()
     truth = stored_radiance(closed_form(degree), receivers, arrivals, reflectances, views, degree)
     plan = grid_plan(degree)
     off = {}
@@ -217,8 +219,9 @@ def test_grid_converges_to_the_closed_form_as_directions_grow():
 
 
 def test_drawn_directions_have_the_mean_of_the_closed_form():
-    reflectances, receivers = made(16.0)
-    arrivals, degree, draws = arrivals_at(receivers), 13, 400
+    degree, draws = 13, 400
+    reflectances, receivers = made(16.0, degree)
+    arrivals = arrivals_at(receivers)
     sampled = SampledDetail(degree, reflectances, np.array([degree]))
     kept = [sampled.collect(receivers, arrivals, seed=(3, draw)) for draw in range(draws)]
     closed = closed_form(degree)
