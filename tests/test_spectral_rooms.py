@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from photofiles import batwing, ldt
 from photorooms import luminaire, scene_of
-from rooms import furnace
+from rooms import furnace, grey, lit, panel
 
 from lelight.calculation import calculate
 from lelight.channels import luminance_weighted
@@ -18,7 +18,7 @@ from lelight.metrics.cies026 import daylight_efficacy_ratio
 from lelight.metrics.colour_figures import colour_figures
 from lelight.metrics.ohno2013 import temperature_and_distance
 from lelight.plan import make_plan
-from lelight.scene import MeasuringPlane, Observer, Spectrum
+from lelight.scene import MeasuringPlane, Observer, PointLuminaire, Spectrum
 from lelight.settings import Settings
 from lelight.spectral.bands import BANDS, mixed_spectrum, spectrum_of_bands
 from lelight.spectral.colorimetry import illuminant
@@ -70,7 +70,7 @@ def test_a_red_room_has_the_colour_of_endless_reflection():
     lit = Spectrum("exact", fine, lamp.at(fine) / (1 - RED.at(fine)))
     figures = colour_figures(bands, mixed_spectrum([lamp], [1.0]))
     exact, lamps_own = temperature_and_distance(lit)[0], temperature_and_distance(lamp)[0]
-    # The walls take the lamp's 4100 K down by a thousand kelvin; 10 nm bands keep 0.1 % of that.
+    # The walls take the lamp's 4100 K down by a thousand kelvin.
     assert exact < lamps_own - 800
     noise = 4 * figures["cct"].std_error
     assert figures["cct"].value == pytest.approx(exact, abs=2.0 + noise)
@@ -81,6 +81,73 @@ def test_a_red_room_has_the_colour_of_endless_reflection():
     )
     assert figures["melanopic_edi"].value == pytest.approx(
         der * float(luminance_weighted(bands).mean()), rel=0.01
+    )
+
+
+#: A wall that reflects 0.3 of blue and 0.75 of red.
+PINK = Spectrum("pink", WAVELENGTHS, 0.3 + 0.45 / (1 + np.exp(-(WAVELENGTHS - 600) / 15)))
+LAMP_AT, EYE_AT = np.array([0.5, 0.5, 0.3]), np.array([0.5, 0.5, 0.65])
+
+
+def between_two_walls(lamp: Spectrum, wall: Spectrum):
+    """A lamp of 1 cd between two parallel squares 1 m wide and 1 m apart; an eye that looks away from it."""
+    lower, upper = panel((0, 0, 0), (1, 0, 0), (0, 1, 0)), panel((0, 0, 1), (0, 1, 0), (1, 0, 0))
+    walls = [replace(grey(name, 0.5), reflectance_spectrum=wall) for name in ("lower", "upper")]
+    made = lit(
+        lower,
+        upper,
+        materials=walls,
+        luminaires=(PointLuminaire("lamp", LAMP_AT, np.ones(3), spectrum=lamp),),
+    )
+    return replace(made, observers=(Observer("eye", EYE_AT, np.array([0, 0, 1.0])),))
+
+
+def light_by_bounces(bounces: int, order: int = 24):
+    """Illuminance (bounces,) lx at that eye after 1, 2, ... reflections by walls of reflectance 1.
+
+    Nyström's method with Gauss-Legendre points: the kernel between parallel squares is smooth.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(order)
+    x, y = np.meshgrid((nodes + 1) / 2, (nodes + 1) / 2)
+    across = np.stack([x.ravel(), y.ravel()], axis=1)
+    areas = np.outer(weights, weights).ravel() / 4
+
+    def kernel(a, b, distance):
+        """cos cos' / r² between points (i, 2) and (j, 2) on parallel planes."""
+        return distance**2 / (np.sum((a[:, None] - b) ** 2, axis=2) + distance**2) ** 2
+
+    off = np.sum((across - LAMP_AT[:2]) ** 2, axis=1)
+    height = np.array([LAMP_AT[2], 1 - LAMP_AT[2]])
+    arriving = height[:, None] / (off + height[:, None] ** 2) ** 1.5
+    between = kernel(across, across, 1.0) * areas / np.pi
+    toward_eye = kernel(EYE_AT[None, :2], across, 1 - EYE_AT[2])[0] * areas / np.pi
+    found = []
+    for _ in range(bounces):
+        found.append(float(toward_eye @ arriving[1]))
+        arriving = (between @ arriving.T).T[::-1]
+    return np.array(found)
+
+
+def test_red_walls_move_the_lamps_colour_bounce_by_bounce():
+    """E = S (ρ g1 + ρ² g2 + ...), the g from quadrature: nothing reaches the eye unreflected."""
+    lamp, bounces = illuminant("LED-B3"), light_by_bounces(40)
+    np.testing.assert_allclose(bounces, light_by_bounces(40, order=32), rtol=1e-6)
+    found = run(between_two_walls(lamp, PINK), batches=16, target=0.003).observers[0]
+
+    def coloured(upto):
+        powers = PINK.amounts[:, None] ** np.arange(1, upto + 1)
+        return Spectrum("exact", WAVELENGTHS, lamp.at(WAVELENGTHS) * (powers @ bounces[:upto]))
+
+    figures = colour_figures(found.band_replicates, mixed_spectrum([lamp], [1.0]))
+    kelvin = {upto: temperature_and_distance(coloured(upto))[0] for upto in (1, 2, 40)}
+    # 4102 K of the lamp; 2595, 2402 and 2385 K after one, two and all reflections.
+    assert kelvin[1] > kelvin[2] + 100 > kelvin[40] + 110
+    noise = 4 * figures["cct"].std_error
+    assert noise < 6.0
+    assert figures["cct"].value == pytest.approx(kelvin[40], abs=2.0 + noise)
+    der = daylight_efficacy_ratio(coloured(40), "melanopic")
+    assert figures["melanopic_der"].value == pytest.approx(
+        der, abs=1e-3 + 4 * figures["melanopic_der"].std_error
     )
 
 

@@ -132,7 +132,7 @@ def mixed_spectrum(spectra: Sequence[Spectrum], fluxes: Sequence[float]) -> Spec
 
 
 def spectrum_of_bands(bands: FloatArray, lamps: Spectrum) -> Spectrum:
-    """Make a spectrum of channels (C,): the lamps' spectrum times a transfer that is linear between bands.
+    """Make a spectrum of channels (C,): the lamps' spectrum times a smooth transfer with the mean of every band.
 
     Parameters
     ----------
@@ -153,8 +153,10 @@ def spectrum_of_bands(bands: FloatArray, lamps: Spectrum) -> Spectrum:
     if not known.any():
         return Spectrum(lamps.name, lamps.wavelengths, np.zeros_like(lamps.amounts))
     transfer = np.maximum(bands[known], 0.0) / count / emitted[known]
-    at = np.interp(lamps.wavelengths, band_centres(count)[known], transfer)
-    made = Spectrum(lamps.name, lamps.wavelengths, lamps.amounts * at)
+    means = np.interp(band_centres(count), band_centres(count)[known], transfer)
+    # Never closer than lamps are tabulated: tables every 5 nm are meant to be summed as they stand.
+    wavelengths = np.union1d(lamps.wavelengths, np.union1d(band_edges(count), band_centres(count)))
+    made = Spectrum(lamps.name, wavelengths, lamps.at(wavelengths) * _of_means(means, wavelengths))
     lumens = LUMINOUS_EFFICACY * STEP * float(made.at(fine) @ efficiency)
     scale = float(np.mean(bands)) / lumens if lumens > 0 else 0.0
     return Spectrum(made.name, made.wavelengths, np.maximum(made.amounts * scale, 0.0))
@@ -185,6 +187,19 @@ def without_spectrum(scene: Scene) -> list[str]:
     emitters: list[Material | PointLuminaire] = [m for m in scene.materials if m.emits]
     names = [each.name for each in [*emitters, *scene.luminaires]]
     return [name for name, s in zip(names, emitter_spectra(scene), strict=True) if s is None]
+
+
+def _of_means(means: FloatArray, wavelengths: FloatArray) -> FloatArray:
+    """Smooth function (n,) of wavelength that has these means (C,) in the bands, and is nowhere below zero.
+
+    It is the slope of a cubic spline through the sums over whole bands.
+    """
+    from scipy.interpolate import CubicSpline
+
+    edges = band_edges(len(means))
+    sums = np.concatenate([[0.0], np.cumsum(means * np.diff(edges))])
+    slope = CubicSpline(edges, sums).derivative()
+    return np.asarray(np.maximum(slope(np.clip(wavelengths, edges[0], edges[-1])), 0.0))
 
 
 def _in_bands(fine: FloatArray, count: int) -> FloatArray:
