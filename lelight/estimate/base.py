@@ -28,8 +28,9 @@ from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World
 
-#: Rays of each node, as power of two: more make the draft smoother, and the batches' work lighter.
-LOG2_RAYS = 6
+#: Rays of each node, as power of two: more make the draft smoother, and the batches' work lighter. Few nodes have the
+#: more, many the fewer, so that all of them together are at most so many.
+MOST_LOG2_RAYS, LEAST_LOG2_RAYS, LOG2_ALL_RAYS = 8, 6, 21
 LOG2_DIRECT = 6
 #: The solution stops where this share of the direct light is left; steps of the solver, and starts anew.
 SETTLED = 1e-8
@@ -144,9 +145,10 @@ def _solution(world: World, mesh: NodeMesh, parts: list[_Rows]) -> _Solved:
 
 def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray, seed: int) -> _Rows:
     """Trace the rays of some nodes."""
+    log2_rays = int(np.clip(LOG2_ALL_RAYS - math.log2(len(locator)), LEAST_LOG2_RAYS, MOST_LOG2_RAYS))
     direct, _ = direct_light(world, receivers, samples=Stretch.of(LOG2_DIRECT), seed=(seed, 7))
     origins, directions, owner = hemisphere_rays(
-        world, receivers, samples=Stretch.of(LOG2_RAYS), seed=(seed, 8)
+        world, receivers, samples=Stretch.of(log2_rays), seed=(seed, 8)
     )
     hits = world.caster.closest(origins, directions)
     met = np.flatnonzero(hits.triangle >= 0)
@@ -155,7 +157,7 @@ def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray
     nodes, weights = locator.find(hits.points[met], labels[triangle], sides)
     rows = np.repeat(owner[met], nodes.shape[1])
     shape = (len(receivers), len(locator))
-    operator = csr_array((weights.ravel() / 2**LOG2_RAYS, (rows, nodes.ravel())), shape=shape)
+    operator = csr_array((weights.ravel() / 2**log2_rays, (rows, nodes.ravel())), shape=shape)
     return _Rows(direct[:, ILLUMINANCE], operator.data, operator.indices, np.diff(operator.indptr))
 
 

@@ -13,6 +13,7 @@ from lelight.estimate.base import BaseField
 from lelight.estimate.direct import direct_light
 from lelight.estimate.local import Arrivals, LocalEstimate, local_estimate
 from lelight.estimate.nearfield import near_field
+from lelight.estimate.pathends import PathEnds
 from lelight.estimate.turns import Turn, turns
 from lelight.estimate.variants import Variant
 from lelight.estimate.workingset import receivers_at_once
@@ -35,6 +36,7 @@ class Effort:
     log2_direct : int, shadow rays to emitters for each receiver, as power of two
     log2_near : int, near-field rays for each receiver, as power of two
     bound : float, 1/m²; b that splits the kernel between chains and near field
+    path_bound : float, 1/m²; the same at the surfaces of near paths, 0 where paths go on until they are absorbed
     variance, cost : (3,) float, what trials found of the parts (chains, direct light, near field) for one sample each:
         square of the relative error, and rays a receiver, weighed by how long they take; 0 where nothing was tried
     """
@@ -43,6 +45,7 @@ class Effort:
     log2_direct: int
     log2_near: int
     bound: float
+    path_bound: float = 0.0
     variance: FloatArray = field(default_factory=lambda: np.zeros(3), compare=False)
     cost: FloatArray = field(default_factory=lambda: np.zeros(3), compare=False)
 
@@ -148,7 +151,8 @@ class BlockWork:
         times.append(perf_counter())
         direct, direct_rays = _direct(site.world, receivers, effort, doubling, (*seed, DIRECT))
         times.append(perf_counter())
-        near = _near(site.world, receivers, effort, site.variant, doubling, (*seed, NEAR), site.base)
+        ends = path_ends(site.world, site.base, self.vertices, effort.path_bound)
+        near = _near(site.world, receivers, effort, site.variant, doubling, (*seed, NEAR), site.base, ends)
         times.append(perf_counter())
         if site.detail is not None and receivers.degrees[0] > 0:
             arrivals = chains.arrivals + near.arrivals
@@ -218,12 +222,20 @@ def near_light(
     bound: float,
     seed: tuple[int, ...],
     base: BaseField | None,
+    ends: PathEnds | None,
 ) -> LocalEstimate:
     """Light that rays from the receivers bring, which is what the variant's chains leave out."""
     if variant.near == "none":
         return LocalEstimate(np.zeros((len(receivers), MOMENTS, world.channels)), (), 0)
     bound = variant.near_bound(bound)
-    return LocalEstimate(*near_field(world, receivers, bound=bound, together=together, seed=seed, base=base))
+    return LocalEstimate(
+        *near_field(world, receivers, bound=bound, together=together, seed=seed, base=base, ends=ends)
+    )
+
+
+def path_ends(world: World, base: BaseField | None, vertices: ChainVertices, bound: float) -> PathEnds | None:
+    """Let paths end where there is a base and a bound that is worth it."""
+    return PathEnds.of(world, base, vertices, bound) if base is not None and bound > 0.0 else None
 
 
 def _near(
@@ -234,13 +246,16 @@ def _near(
     doubling: int,
     seed: tuple[int, ...],
     base: BaseField | None,
+    ends: PathEnds | None,
 ) -> LocalEstimate:
     """Near field of a block, sampled as often as each receiver needs."""
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
     arrivals: list[Arrivals] = []
     rays = 0
     for together in turns(effort.log2_near + receivers.near_doublings, doubling):
-        found = near_light(world, receivers, together, variant, bound=effort.bound, seed=seed, base=base)
+        found = near_light(
+            world, receivers, together, variant, bound=effort.bound, seed=seed, base=base, ends=ends
+        )
         moments += found.moments
         arrivals += found.arrivals
         rays += found.rays

@@ -40,7 +40,7 @@ from lelight.tracing.sampling import Stretch, cosine_directions
 from lelight.tracing.world import World
 
 #: Rays to emitters and into the room that estimate the defect where a chain starts, as power of two.
-LOG2_DEFECT_RAYS = 6
+LOG2_DEFECT_RAYS = 8
 #: Share of starts on sides that the pilot walk found dark, in case it missed something.
 DARK_SHARE = 0.1
 #: Places at which the defect is measured beforehand for each node, their least and greatest number, and the rays

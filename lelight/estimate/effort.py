@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -18,9 +19,10 @@ from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import form_of
 from lelight.estimate.base import BaseField
 from lelight.estimate.batch import blocks_of
-from lelight.estimate.blocks import CHAINS, DIRECT, DISC, NEAR, Effort, chain_light, near_light
+from lelight.estimate.blocks import CHAINS, DIRECT, DISC, NEAR, Effort, chain_light, near_light, path_ends
 from lelight.estimate.chainwalk import chain_vertices
 from lelight.estimate.direct import behind_slits, direct_light
+from lelight.estimate.pathends import PathEnds, path_bound
 from lelight.estimate.replicates import DARK_SHARE, LEAST_REPLICATES
 from lelight.estimate.turns import Turn
 from lelight.estimate.variants import VARIANTS, Variant
@@ -33,6 +35,8 @@ from lelight.tracing.world import World
 #: Trial batches, and the samples of each part in one, as powers of two.
 TRIALS = 6
 TRIAL = (4, 2, 3)
+#: Chains that near paths of the trials end on, as power of two.
+LOG2_ENDS = 8
 #: A shadow ray of the pair kernel is coherent with its neighbours; others cost about this much more.
 INCOHERENT_COST = 2.5
 #: Most that a receiver's samples are doubled, and halved.
@@ -149,6 +153,15 @@ class _Trials:
     executor: Executor
     keep: Keeper
 
+    @cached_property
+    def ends(self) -> PathEnds | None:
+        """What near paths end on: more chains than are tried, lest their noise be taken for that of the paths."""
+        if self.base is None:
+            return None
+        seed, chains = (self.seed, TRIAL_SEED + TRIALS, CHAINS), Stretch.of(LOG2_ENDS)
+        vertices = chain_vertices(self.world, self.base, chains, self.variant, seed=seed)
+        return path_ends(self.world, self.base, vertices, path_bound(self.world, vertices))
+
 
 def _chosen(
     trials: _Trials,
@@ -175,6 +188,7 @@ def _chosen(
         log2_direct=log2[1],
         log2_near=log2[2],
         bound=bound,
+        path_bound=trials.ends.bound if trials.ends is not None else 0.0,
         variance=variance,
         cost=cost,
     )
@@ -276,7 +290,16 @@ def _spread(trials: _Trials, name: str, receivers: Receivers, bound: float, area
             direct, direct_rays = direct_light(
                 world, own, samples=Stretch.of(TRIAL[1]), seed=(*trial, DIRECT)
             )
-            near = near_light(world, own, (at_once,), variant, bound=bound, seed=(*trial, NEAR), base=base)
+            near = near_light(
+                world,
+                own,
+                (at_once,),
+                variant,
+                bound=bound,
+                seed=(*trial, NEAR),
+                base=base,
+                ends=trials.ends,
+            )
             for part, moments in enumerate((of_chains.moments, direct, near.moments)):
                 found[k, part] = luminance_weighted(moments[:, ILLUMINANCE])
             spent += np.array([of_chains.rays, INCOHERENT_COST * direct_rays, INCOHERENT_COST * near.rays])

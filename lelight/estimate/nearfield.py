@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 from numba import njit
 
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
+from lelight.estimate.pathends import END_NUMBERS, PathEnds, SurfaceLuminance, bounded_base
 from lelight.estimate.paths import NUMBERS, reflected_radiance, rotated_numbers
-from lelight.estimate.pathstate import Paths, chosen_paths, meet
+from lelight.estimate.pathstate import Paths, chosen_paths, kernel_between, meet
 from lelight.estimate.split import list_near
 from lelight.estimate.turns import Turn
 from lelight.receivers import MOMENTS, Receivers
@@ -33,13 +33,6 @@ _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 MOST_SAMPLES = 2**32
 
 
-class SurfaceLuminance(Protocol):
-    """A field that can say what a surface sends out, the same in every direction."""
-
-    def luminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
-        """Luminance (k, C) in cd/m² of points (k, 3) on sides of triangles (k,)."""
-
-
 def near_field(
     world: World,
     receivers: Receivers,
@@ -48,6 +41,7 @@ def near_field(
     together: tuple[Turn, ...],
     seed: tuple[int, ...],
     base: SurfaceLuminance | None = None,
+    ends: PathEnds | None = None,
 ) -> tuple[FloatArray, tuple[Arrivals, ...], int]:
     """Light of near surfaces beyond the bounded kernel.
 
@@ -55,6 +49,7 @@ def near_field(
     ----------
     bound : float, 1/m², b of the split; inf leaves only the base
     base : a field to gather where the kernel is bounded; the chains then carry what it lacks
+    ends : what paths end on; without it they go on until they are absorbed
     together : the rays of the receivers, as points of their sequences; receivers without a turn get nothing
 
     Returns
@@ -76,9 +71,10 @@ def near_field(
         numbers=numbers[paths.number, 2:],
         identity=receivers.identity[receiver] * MOST_SAMPLES + sample,
         key=hash_of((*seed, 1)),
+        ends=ends,
     )
     if base is not None:
-        radiance[gathered.number] += _bounded_base(world, base, gathered, bound)
+        radiance[gathered.number] += bounded_base(world, base, gathered, bound)
     lit = np.flatnonzero(radiance.any(axis=1))
     weight = (solid_angle * share)[lit, None]
     arrivals = Arrivals(receiver[lit], directions[lit], radiance[lit] * weight)
@@ -124,11 +120,11 @@ def _samples(together: tuple[Turn, ...]) -> tuple[IntArray, IntArray, FloatArray
 
 
 def _numbers(receivers: Receivers, together: tuple[Turn, ...], seed: tuple[int, ...]) -> FloatArray:
-    """Uniform numbers (k, 9) of every sample: two for its direction, the rest for the first surface."""
-    numbers = np.empty((sum(len(turn) for turn in together), 2 + NUMBERS))
+    """Uniform numbers (k, n) of every sample: two for its direction, the rest for the first surface."""
+    numbers = np.empty((sum(len(turn) for turn in together), 2 + NUMBERS + END_NUMBERS))
     first = 0
     for turn in together:
-        table = sobol(2 + NUMBERS, turn.samples, seed=seed)
+        table = sobol(numbers.shape[1], turn.samples, seed=seed)
         rotated_numbers(
             table, hash_of(seed), receivers.identity[turn.own], numbers[first : first + len(turn)]
         )
@@ -180,17 +176,8 @@ def _first_surfaces(world: World, receivers: Receivers, receiver: IntArray, dire
     return replace(paths, geometry=_geometry(receivers, receiver[kept], directions[kept], paths))
 
 
-def _bounded_base(world: World, base: SurfaceLuminance, paths: Paths, bound: float) -> FloatArray:
-    """Take the base's luminance (k, C) times the share of the kernel below the bound, min(1, b/G)."""
-    front = np.einsum("kx,kx->k", paths.normals, world.normals[paths.triangles]) > 0
-    luminance = base.luminance_at(paths.triangles, paths.points, front)
-    return luminance * np.minimum(1.0, bound / np.maximum(paths.geometry, 1e-300))[:, None]
-
-
 def _geometry(receivers: Receivers, receiver: IntArray, directions: FloatArray, paths: Paths) -> FloatArray:
-    """G = cos cos' / r² (k,) in 1/m²; without the receiver's cosine in space."""
-    square = np.sum((paths.points - receivers.points[receiver]) ** 2, axis=1)
-    cos_surface = np.einsum("kx,kx->k", paths.outgoing, paths.normals)
-    cos_receiver = np.einsum("kx,kx->k", directions, receivers.normals[receiver])
-    cos_receiver = np.where(receivers.on_surface[receiver], cos_receiver, 1.0)
-    return np.asarray(cos_surface * cos_receiver / np.maximum(square, 1e-300))
+    """G (k,) in 1/m² from receivers; without their cosine in space."""
+    cosines = np.einsum("kx,kx->k", directions, receivers.normals[receiver])
+    cosines = np.where(receivers.on_surface[receiver], cosines, 1.0)
+    return kernel_between(receivers.points[receiver], cosines, paths)

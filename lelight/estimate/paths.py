@@ -9,12 +9,14 @@ max(0, 1 - b/G) for the Lambertian lobe and max(0, 1 - b/(pi lobe G)) for the Ph
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
 
+from lelight.estimate.pathends import END_NUMBERS, PathEnds, add_drawn_vertices, bounded_base, taken_up
 from lelight.estimate.pathlight import add_drawn_sources, add_met_emitters
-from lelight.estimate.pathstate import Paths, chosen_paths, meet
+from lelight.estimate.pathstate import Paths, chosen_paths, kernel_between, meet
 from lelight.estimate.split import above, lobe_probability, lobe_shares
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.reflection import Reflectances, lobe, lobe_density
@@ -39,7 +41,14 @@ LEAST_THROUGHPUT = 0.25
 
 
 def reflected_radiance(
-    world: World, paths: Paths, *, bound: float, numbers: FloatArray, identity: IntArray, key: np.uint64
+    world: World,
+    paths: Paths,
+    *,
+    bound: float,
+    numbers: FloatArray,
+    identity: IntArray,
+    key: np.uint64,
+    ends: PathEnds | None = None,
 ) -> tuple[FloatArray, int]:
     """Radiance (k, C) in cd/m² that paths bring to the rays they started as, and the rays traced.
 
@@ -47,17 +56,24 @@ def reflected_radiance(
     ----------
     paths : at their first surfaces
     bound : float, 1/m²; b of the split at those, 0 for all of what they reflect
-    numbers : (len(paths), 7) float in [0, 1), for the first surface
+    numbers : (len(paths), NUMBERS + END_NUMBERS) float in [0, 1), for the first surface
     identity : (k,) int, of the rays; with ``key`` it gives the random numbers of later surfaces
+    ends : what paths end on; without it they go on until they are absorbed
     """
     radiance = np.zeros((len(identity), world.channels))
     rays = 0
     for depth in range(LONGEST_PATH):
+        if ends is not None:
+            kept = taken_up(world, paths, bound, numbers[:, NUMBERS + 2])
+            paths, numbers = chosen_paths(paths, kept), numbers[kept]
+            rays += add_drawn_vertices(world, paths, ends, bound, numbers[:, NUMBERS:], radiance)
         if not len(paths.number):
             break
         paths, traced = step(world, paths, bound=bound, numbers=numbers, radiance=radiance, roulette=True)
         rays += traced
-        bound = 0.0
+        bound = 0.0 if ends is None else ends.bound
+        if ends is not None:
+            radiance[paths.number] += paths.throughput * bounded_base(world, ends.base, paths, bound)
         numbers = hashed_numbers(key, identity[paths.number], depth + 1)
     return radiance, rays
 
@@ -69,20 +85,24 @@ def step(
 
     Returns
     -------
-    paths : at the surfaces met next; without ``roulette`` only absorption ends a path
+    paths : at the surfaces met next, with the kernel G to them where a Lambertian lobe led there and inf where a
+        Phong lobe did; without ``roulette`` only absorption ends a path
     rays : int
     """
     rays = add_drawn_sources(world, paths, bound, numbers, radiance)
     origins, directions, throughput, density, going = _go_on(world, paths, bound, numbers, roulette)
     met, kept = meet(world, paths.number[going], origins, directions, throughput)
+    left = going[kept]
     if density.any():
-        add_met_emitters(world, chosen_paths(paths, going[kept]), met, density[kept], radiance)
-    return met, rays + len(going)
+        add_met_emitters(world, chosen_paths(paths, left), met, density[kept], radiance)
+    cosines = -np.einsum("kx,kx->k", met.outgoing, paths.normals[left])
+    kernel = kernel_between(paths.points[left], cosines, met)
+    return replace(met, geometry=np.where(density[kept] > 0.0, np.inf, kernel)), rays + len(going)
 
 
 def hashed_numbers(key: np.uint64, identity: IntArray, depth: int) -> FloatArray:
-    """Uniform numbers (k, 7) for surface ``depth`` of the paths that carry ``identity`` (k,)."""
-    numbers = np.empty((len(identity), NUMBERS))
+    """Uniform numbers (k, n) for surface ``depth`` of the paths that carry ``identity`` (k,)."""
+    numbers = np.empty((len(identity), NUMBERS + END_NUMBERS))
     _fill(key, identity, depth, numbers)
     return numbers
 

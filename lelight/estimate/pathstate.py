@@ -76,3 +76,10 @@ def chosen_paths(paths: Paths, kept: IntArray) -> Paths:
         paths.throughput[kept],
         paths.geometry[kept],
     )
+
+
+def kernel_between(points: FloatArray, cosines: FloatArray, met: Paths) -> FloatArray:
+    """G = cos cos' / r² (k,) in 1/m² between points (k, 3), cosines (k,) at them, and the surfaces met from there."""
+    square = np.sum((met.points - points) ** 2, axis=1)
+    cos_surface = np.einsum("kx,kx->k", met.outgoing, met.normals)
+    return np.asarray(cos_surface * cosines / np.maximum(square, 1e-300))

@@ -62,6 +62,7 @@ def write_replicates(
         "observers_indirect_lx": np.stack(indirect, axis=1).astype(np.float32) if indirect else none,
         "log2_samples": np.array([effort.log2_chains, effort.log2_direct, effort.log2_near]),
         "bound": np.array(effort.bound),
+        "path_bound": np.array(effort.path_bound),
         "doublings": np.array(sampling.doublings),
         "direct_doublings": sampling.direct_doublings.astype(np.int8),
         "near_doublings": sampling.near_doublings.astype(np.int8),
@@ -115,7 +116,7 @@ def _kept(content: dict[str, NDArray[Any]]) -> KeptReplicates:
         eyes=dict(zip(eyes, content["observers_lx"].astype(np.float64).T, strict=True)),
         eyes_indirect=dict(zip(eyes, content["observers_indirect_lx"].astype(np.float64).T, strict=True)),
         sampling=SamplingPlan(
-            effort=Effort(chains, direct, near, float(content["bound"])),
+            effort=Effort(chains, direct, near, float(content["bound"]), float(content["path_bound"])),
             replicates=len(nodes),
             doublings=int(content["doublings"]),
             direct_doublings=content["direct_doublings"].astype(np.int64),
