@@ -37,8 +37,9 @@ TRIALS = 6
 TRIAL = (4, 2, 3)
 #: Chains that near paths of the trials end on, as power of two.
 LOG2_ENDS = 8
-#: A shadow ray of the pair kernel is coherent with its neighbours; others cost about this much more.
-INCOHERENT_COST = 2.5
+#: A shadow ray of the pair kernel is coherent with its neighbours and has little beside it; others cost about so many
+#: times more, with all that is done for them (office: 0.11 and 0.75 µs, 0.6 for direct light).
+INCOHERENT_COST = 5.0
 #: Most that a receiver's samples are doubled, and halved.
 MOST_DOUBLINGS, MOST_HALVINGS = 3, 1
 #: How much the variance found at one receiver in a few trials is drawn toward that of all: rare bright paths
