@@ -16,7 +16,7 @@ from numba import njit
 
 from lelight.channels import luminance_weighted
 from lelight.estimate.pathstate import Paths
-from lelight.estimate.split import above
+from lelight.estimate.split import above, lobe_shares
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
 from lelight.tracing.reflection import Reflectances, lobe
@@ -131,13 +131,11 @@ def _take_up(
 ) -> None:
     for k in range(len(materials)):
         m = materials[k]
-        n = reflectances.exponent[m]
+        share_d, share_s = lobe_shares(reflectances, m, bound, geometry[k])
+        reflected = reflectances.diffuse_share[m] * share_d + reflectances.specular_share[m] * share_s
         carried = 0.0
         for c in range(throughput.shape[1]):
-            carried += weights[c] * throughput[k, c]
-        carried *= reflectances.diffuse_share[m] * above(bound, geometry[k]) + reflectances.specular_share[
-            m
-        ] * above(bound, 0.5 * (n + 2.0) * geometry[k])
+            carried += weights[c] * throughput[k, c] * reflected
         survival = min(1.0, carried / FAINT_PATH)
         if numbers[k] < survival:
             kept[k] = True
