@@ -46,7 +46,7 @@ SCENES: dict[str, Callable[[], Scene]] = {
 }
 #: Modules that draw from Sobol sequences.
 DRAWING = ("lelight.tracing.chains", "lelight.estimate.nearfield", "lelight.estimate.direct")
-NODES, REPLICATES, DOUBLINGS = 400, 32, 7
+NODES, REPLICATES, DOUBLINGS = 300, 16, 5
 EDGES = (1.0, 0.5, 0.25, 0.125)
 
 
@@ -98,7 +98,7 @@ def variances(stage: Stage, executor: Executor, doublings: int) -> FloatArray:
 
 def by_samples(name: str, executor: Executor) -> None:
     """Print errors, slope and gain of one scene."""
-    stage = prepare(SCENES[name](), Settings(edge_scale=2.0), executor, Keeper())
+    stage = prepare(SCENES[name](), Settings(target=0.1), executor, Keeper())
     found = {}
     for kind in ("pseudo-random", "Sobol"):
         with numbers(kind):

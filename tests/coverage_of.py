@@ -8,15 +8,18 @@ interval: with 200 seeds by a quarter of a per cent.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from dataclasses import replace
+from functools import reduce
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from rooms import grey, lit, panel
 from scipy.special import stdtrit
 from shapes import box, placed
 
 from lelight.calculation import Calculation, calculate
+from lelight.metrics.extremes import counted, least
 from lelight.metrics.figure import from_replicates
 from lelight.reading.loading import load
 from lelight.scene import FloatArray, MeasuringPlane, Scene
@@ -51,16 +54,23 @@ def figures_of(run: Calculation) -> dict[str, tuple[FloatArray, FloatArray, int]
     replicates = run.replicates
     nodes = np.flatnonzero(~run.field.mesh.hidden)
     stated = {"nodes": (replicates.mean[nodes], run.field.std_error[nodes], replicates.count - 1)}
-    rules: dict[str, Callable[[FloatArray], float]] = {"mean": np.mean, "minimum": np.min}
     for plane in run.planes:
-        for name, rule in rules.items():
-            value, error = from_replicates(lambda e, rule=rule: float(rule(e)), plane.replicates)
-            stated[f"{plane.plane.name}: {name}"] = (
-                np.array([value]),
-                np.array([error]),
-                replicates.count - 1,
-            )
+        name, each = plane.plane.name, plane.replicates
+        mean, error = from_replicates(lambda e: float(np.mean(e)), each)
+        stated[f"{name}: mean"] = (np.array([mean]), np.array([error]), len(each) - 1)
+        minimum, error_of_minimum = least(each)
+        if error_of_minimum is not None:
+            freedom = counted(len(each)) - 1
+            stated[f"{name}: minimum"] = (np.array([minimum]), np.array([error_of_minimum]), freedom)
     return stated
+
+
+def visible_places(run: Calculation) -> NDArray[np.bytes_]:
+    """Where the visible nodes lie and what they face, one name (k,) each."""
+    mesh = run.field.mesh
+    seen = np.flatnonzero(~mesh.hidden)
+    columns = np.round(np.concatenate([mesh.positions[seen], mesh.normals[seen]], axis=1), 6) + 0.0
+    return np.array([row.tobytes().hex() for row in columns], dtype=np.bytes_)
 
 
 def coverage(runs: list[tuple[FloatArray, FloatArray, int]]) -> float:
@@ -86,15 +96,23 @@ def main() -> None:
     given = parser.parse_args()
     scene = scene_of(given.scene)
     settings = Settings(target=given.target, edge=given.edge, time=600.0)
-    stated = [
-        figures_of(calculate(scene, Settings(**vars(settings) | {"seed": k}))) for k in range(given.seeds)
-    ]
+    stated, places = [], []
+    for seed in range(given.seeds):
+        run = calculate(scene, replace(settings, seed=seed))
+        stated.append(figures_of(run))
+        places.append(visible_places(run))
     # The pilot may find a node buried under one seed and not under another: only what all runs share counts.
-    shared = min(len(run["nodes"][0]) for run in stated)
-    complete = [run for run in stated if len(run["nodes"][0]) == shared]
-    print(f"{given.scene}, target {given.target:.0%}, edge {given.edge} m: {len(complete)} seeds")
+    shared = reduce(np.intersect1d, places)
+    for each, own in zip(stated, places, strict=True):
+        order = np.argsort(own)
+        chosen = order[np.searchsorted(own, shared, sorter=order)]
+        values, errors, freedom = each["nodes"]
+        each["nodes"] = values[chosen], errors[chosen], freedom
+    print(
+        f"{given.scene}, target {given.target:.0%}, edge {given.edge} m: {given.seeds} seeds, {len(shared)} nodes"
+    )
     for name in stated[0]:
-        print(f"  {name}: {coverage([run[name] for run in complete]):.1%}")
+        print(f"  {name}: {coverage([each[name] for each in stated]):.1%}", flush=True)
 
 
 if __name__ == "__main__":
