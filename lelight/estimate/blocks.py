@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from time import perf_counter
 
 import numpy as np
@@ -136,6 +137,11 @@ class BlockWork:
         )
         return stacked([self._piece(piece) for piece in receivers.chunks(at_once)])
 
+    @cached_property
+    def ends(self) -> PathEnds | None:
+        """What near paths end on, the same for all blocks."""
+        return path_ends(self.site.world, self.site.base, self.vertices, self.site.effort.path_bound)
+
     def _piece(self, receivers: Receivers) -> Batch:
         """Let chains, emitters and near surfaces light some receivers."""
         site, effort, seed, doubling = self.site, self.site.effort, self.seed, self.doubling
@@ -151,8 +157,9 @@ class BlockWork:
         times.append(perf_counter())
         direct, direct_rays = _direct(site.world, receivers, effort, doubling, (*seed, DIRECT))
         times.append(perf_counter())
-        ends = path_ends(site.world, site.base, self.vertices, effort.path_bound)
-        near = _near(site.world, receivers, effort, site.variant, doubling, (*seed, NEAR), site.base, ends)
+        near = _near(
+            site.world, receivers, effort, site.variant, doubling, (*seed, NEAR), site.base, self.ends
+        )
         times.append(perf_counter())
         if site.detail is not None and receivers.degrees[0] > 0:
             arrivals = chains.arrivals + near.arrivals
