@@ -16,6 +16,7 @@ from types import FrameType
 from typing import NoReturn
 
 from lelight.checkpoint.stop import Stop
+from lelight.writing.files import discard_unfinished
 
 #: Seconds that a run may take to write what it has and to unwind.
 PATIENCE = 1.6
@@ -53,6 +54,7 @@ def end() -> NoReturn:
     remark = f"; {STOP.remark}" if STOP.remark else ""
     sys.stderr.write(f"lelight: interrupted{remark}\n")
     sys.stderr.flush()
+    discard_unfinished()
     os._exit(INTERRUPTED)
 
 

@@ -74,14 +74,14 @@ def run_trace(
 
     Parameters
     ----------
-    stop : interrupts; what the picture was then is kept, and the remark says where
+    stop : interrupts; what the picture was then is kept, and the remark says which one the disk holds
     """
     clock = Clock()
     field = stored_field(out)
     executor = ThreadPoolExecutor(max_workers=Settings(threads=threads).workers)
     if tracing.frames:
         colouring = _on_one_scale(field, shot, colouring, executor)
-    keeper = _Keeper(out, shot, tracing, field, colouring)
+    keeper = _Keeper(out, shot, tracing, field, colouring, stop)
     try:
         exposing = _exposing(field, shot, tracing, executor)
         if tracing.frames:
@@ -92,9 +92,7 @@ def run_trace(
         keeper.write(clock)
     except KeyboardInterrupt:
         executor.shutdown(wait=False, cancel_futures=True)
-        if keeper.taken is not None:
-            stop.remark = f"the picture of {keeper.taken.chains} chains is kept in {keeper.stem}.exr"
-            keeper.write(clock)
+        keeper.write(clock)
         raise
     finally:
         executor.shutdown(wait=False, cancel_futures=True)
@@ -158,13 +156,20 @@ class _Keeper:
     """
 
     def __init__(
-        self, out: Path, shot: Shot, tracing: Tracing, field: RadianceField, colouring: Colouring
+        self,
+        out: Path,
+        shot: Shot,
+        tracing: Tracing,
+        field: RadianceField,
+        colouring: Colouring,
+        stop: Stop,
     ) -> None:
         """Write nothing yet."""
         name = shot.seen_by(field.scene).name
         self.stem = make_folder(out / "renders") / f"{safe_name(name)}-trace"
         self.taken: Taken | None = None
         self._title, self._tracing, self._colouring = name, tracing, colouring
+        self._stop = stop
         self._camera = shot.camera(field.scene)
         self._written: Taken | None = None
         self._due, self._frames = 0.0, 0
@@ -192,6 +197,7 @@ class _Keeper:
         if taken is None or taken is self._written:
             return
         write_picture(self.stem, taken.luminance, self._camera, title=self._title, colouring=self._colouring)
+        self._stop.remark = f"the picture of {taken.chains} chains is kept in {self.stem}.exr"
         write_text(self.stem.with_name(f"{self.stem.name}.json"), self._record(taken, clock))
         if taken.std_error is not None:
             title = f"{self._title}: standard error"

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import errno
 import unicodedata
+from contextlib import suppress
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from lelight.errors import OutputError
-from lelight.writing.files import NAME_BYTES, make_folder, safe_name, safe_names, whole, write_text
+from lelight.writing.files import (
+    NAME_BYTES,
+    discard_unfinished,
+    make_folder,
+    safe_name,
+    safe_names,
+    whole,
+    write_text,
+)
 
 
 def test_a_file_appears_under_its_name_and_nothing_else_stays(tmp_path):
@@ -32,6 +41,15 @@ def test_a_failure_leaves_the_old_file_and_no_debris(tmp_path, failure):
         raise failure
     assert [file.name for file in tmp_path.iterdir()] == ["run.json"]
     assert target.read_text(encoding="utf-8") == "old"
+
+
+def test_a_process_that_does_not_unwind_leaves_no_debris_either(tmp_path):
+    write_text(tmp_path / "run.json", "old")
+    with suppress(OutputError), whole(tmp_path / "run.json") as beside:
+        beside.write_text("half", encoding="utf-8")
+        discard_unfinished()
+        assert [file.name for file in tmp_path.iterdir()] == ["run.json"]
+    assert (tmp_path / "run.json").read_text(encoding="utf-8") == "old"
 
 
 @pytest.mark.parametrize(

@@ -192,9 +192,10 @@ def test_frames_begin_with_the_first_node(copy: Path) -> None:
 def test_what_an_interrupted_picture_was_is_kept(copy: Path) -> None:
     picture = copy / "renders" / "view-trace.exr"
     arguments = ("--view", "1,1,1:1,0,0", "--method", "trace", "--size", "48", "--target", "0.01%")
+    record = picture.with_suffix(".json")  # written after the picture
     running = process("render", copy, *arguments, "--threads", "1")
     due = time.monotonic() + 60
-    while not picture.exists() and time.monotonic() < due:
+    while not record.exists() and time.monotonic() < due:
         time.sleep(0.05)
     running.send_signal(signal.SIGINT)
     _, stderr = running.communicate(timeout=30)

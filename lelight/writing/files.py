@@ -18,6 +18,8 @@ NAME_BYTES = 120
 
 #: What the names of files begin with that are not whole yet.
 TEMPORARY = ".lelight-"
+#: Files that are being written now.
+_UNFINISHED: set[Path] = set()
 
 #: What a name keeps beside letters, marks and digits of any script.
 _KEPT_SIGNS = frozenset(" -_.,+=@()")
@@ -55,6 +57,7 @@ def whole(path: Path) -> Iterator[Path]:
         for every OSError of the block, in one line with the remedy
     """
     beside = path.with_name(f"{TEMPORARY}{uuid.uuid4().hex}{path.suffix}")
+    _UNFINISHED.add(beside)
     try:
         beside.touch(exist_ok=False)
         yield beside
@@ -64,6 +67,14 @@ def whole(path: Path) -> Iterator[Path]:
     except OSError as error:
         raise OutputError(_explain(path, error)) from error
     finally:
+        with suppress(OSError):
+            beside.unlink()
+        _UNFINISHED.discard(beside)
+
+
+def discard_unfinished() -> None:
+    """Remove what `whole` is writing in any thread: for a process that ends without unwinding."""
+    for beside in tuple(_UNFINISHED):
         with suppress(OSError):
             beside.unlink()
 
