@@ -135,7 +135,7 @@ def stepped_aside(world: World, mesh: NodeMesh) -> NodeMesh:
 def _room_above(world: World, mesh: NodeMesh) -> FloatArray:
     """Mean distance (n,) in m that light can come from over each place."""
     places = with_surface(space_receivers(mesh.positions, mesh.normals))
-    origins, directions, owner = hemisphere_rays(
+    origins, directions, owner, _ = hemisphere_rays(
         world, places, samples=Stretch.of(LOG2_ROOM_RAYS), seed=(0, 6)
     )
     hits = world.caster.closest(origins, directions)
@@ -196,7 +196,9 @@ def reached_by_light(
     """
     log2_walks, longest = walks
     reached = np.zeros(len(receivers), dtype=np.bool_)
-    origins, directions, owner = hemisphere_rays(world, receivers, samples=Stretch.of(log2_walks), seed=seed)
+    origins, directions, owner, _ = hemisphere_rays(
+        world, receivers, samples=Stretch.of(log2_walks), seed=seed
+    )
     reached |= _sees_emitter(world, receivers, seed)
     identity = receivers.identity[owner] * 2**log2_walks + np.arange(len(owner)) % 2**log2_walks
     walkers, _ = meet(world, np.arange(len(owner)), origins, directions, np.ones((len(owner), 1)))

@@ -15,13 +15,15 @@ from functools import partial
 import numpy as np
 from scipy.sparse import csr_array
 
+from lelight.channels import luminance_weighted
 from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import form_of
 from lelight.estimate.cells import Cells
 from lelight.estimate.direct import direct_light
 from lelight.estimate.gmres import gmres
+from lelight.estimate.guide import CELLS, Guide, cells_of
 from lelight.estimate.nearfield import hemisphere_rays
-from lelight.mesh.locate import Locator
+from lelight.mesh.locate import Locator, interpolate
 from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
@@ -55,6 +57,7 @@ class BaseField:
     diffuse : (n_materials, C) float, kd
     materials : (n_t,) int of each traced triangle
     spots : whether lamps make spots on surfaces, too small and too bright for rays to find
+    guide : where light comes from at the nodes; None where that was not asked
     starts : where chains that carry what it lacks start; None where nothing reflects, or before that is measured
     """
 
@@ -65,12 +68,13 @@ class BaseField:
     diffuse: FloatArray
     materials: IntArray
     spots: bool = False
+    guide: Guide | None = None
     starts: Cells | None = None
 
     def illuminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
         """Interpolate the field (k, C), lx, at points (k, 3) on traced triangles (k,)."""
         nodes, weights = self.locator.find(points, self.labels[triangles], np.where(front, 1, -1))
-        return np.asarray(np.einsum("kj,kjc->kc", weights, self.illuminance[nodes]))
+        return interpolate(self.illuminance, nodes, weights)
 
     def luminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
         """Tell what the Lambertian lobes make of it (k, C), cd/m²."""
@@ -111,15 +115,30 @@ def solve_base(
         return _solution(world, mesh, list(parts))
 
     solved = keep.once("base", solve, form_of(_Solved))
-    diffuse = world.reflectances.diffuse
-    return BaseField(labels, locator, solved.illuminance, lit, diffuse, world.materials, solved.spots)
+    return BaseField(
+        labels=labels,
+        locator=locator,
+        illuminance=solved.illuminance,
+        lit=lit,
+        diffuse=world.reflectances.diffuse,
+        materials=world.materials,
+        spots=solved.spots,
+        guide=Guide.of(
+            solved.light, solved.sent.astype(np.float64), mesh.positions, mesh.normals, hidden=mesh.hidden
+        ),
+    )
 
 
 @dataclass(frozen=True)
 class _Rows:
-    """Direct light (r, C) of some nodes, and their rows of the gathering operator: weights and nodes by row."""
+    """Direct light (r, C) of some nodes, and rows of the gathering operator: weights and nodes by row.
+
+    Every node has `CELLS` rows, one for each cell of its guide; together they are what it gathers. Into each cell it
+    has sent (r, CELLS) rays.
+    """
 
     direct: FloatArray
+    sent: IntArray
     weights: FloatArray
     nodes: IntArray
     counts: IntArray
@@ -127,8 +146,12 @@ class _Rows:
 
 @dataclass(frozen=True)
 class _Solved:
+    """Illuminance (n, C), whether there are spots, light (n, CELLS) through the guide's cells and rays sent there."""
+
     illuminance: FloatArray
     spots: bool
+    light: FloatArray
+    sent: IntArray
 
 
 def _solution(world: World, mesh: NodeMesh, parts: list[_Rows]) -> _Solved:
@@ -139,15 +162,28 @@ def _solution(world: World, mesh: NodeMesh, parts: list[_Rows]) -> _Solved:
     spots = bool(np.any(direct > SPOT * most))
     direct = np.minimum(direct, most)
     albedo = world.reflectances.diffuse + world.reflectances.specular
-    operator = _stacked(parts, len(mesh))
-    return _Solved(_solved(operator, direct, albedo[mesh.materials]), spots)
+    by_cell = _stacked(parts, len(mesh))
+    reflected = albedo[mesh.materials]
+    illuminance = _solved(_gathering(by_cell), direct, reflected)
+    light = by_cell @ luminance_weighted(reflected * illuminance)
+    sent = np.concatenate([part.sent for part in parts])
+    return _Solved(illuminance, spots, light.reshape(-1, CELLS), sent)
+
+
+def _gathering(by_cell: csr_array) -> csr_array:
+    """Add the rows of each node's cells up."""
+    nodes = by_cell.shape[0] // CELLS
+    first = np.asarray(by_cell.indptr[::CELLS])
+    gathering = csr_array((by_cell.data, by_cell.indices, first), shape=(nodes, by_cell.shape[1]), copy=True)
+    gathering.sum_duplicates()
+    return gathering
 
 
 def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray, seed: int) -> _Rows:
     """Trace the rays of some nodes."""
     log2_rays = int(np.clip(LOG2_ALL_RAYS - math.log2(len(locator)), LEAST_LOG2_RAYS, MOST_LOG2_RAYS))
     direct, _ = direct_light(world, receivers, samples=Stretch.of(LOG2_DIRECT), seed=(seed, 7))
-    origins, directions, owner = hemisphere_rays(
+    origins, directions, owner, numbers = hemisphere_rays(
         world, receivers, samples=Stretch.of(log2_rays), seed=(seed, 8)
     )
     hits = world.caster.closest(origins, directions)
@@ -155,10 +191,17 @@ def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray
     triangle = hits.triangle[met]
     sides = np.where(hits.front[met], 1, -1)
     nodes, weights = locator.find(hits.points[met], labels[triangle], sides)
-    rows = np.repeat(owner[met], nodes.shape[1])
-    shape = (len(receivers), len(locator))
+    cell = owner * CELLS + cells_of(numbers)
+    rows = np.repeat(cell[met], nodes.shape[1])
+    shape = (len(receivers) * CELLS, len(locator))
     operator = csr_array((weights.ravel() / 2**log2_rays, (rows, nodes.ravel())), shape=shape)
-    return _Rows(direct[:, ILLUMINANCE], operator.data, operator.indices, np.diff(operator.indptr))
+    return _Rows(
+        direct=direct[:, ILLUMINANCE],
+        sent=np.bincount(cell, minlength=shape[0]).reshape(-1, CELLS),
+        weights=operator.data,
+        nodes=operator.indices,
+        counts=np.diff(operator.indptr),
+    )
 
 
 def _stacked(parts: list[_Rows], columns: int) -> csr_array:

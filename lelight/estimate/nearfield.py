@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
+from lelight.estimate.guide import Guide, guided, unguided
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
 from lelight.estimate.pathends import END_NUMBERS, PathEnds, SurfaceLuminance, bounded_base
@@ -48,7 +49,8 @@ def near_field(
     Parameters
     ----------
     bound : float, 1/m², b of the split; inf leaves only the base
-    base : a field to gather where the kernel is bounded; the chains then carry what it lacks
+    base : a field to gather where the kernel is bounded; the chains then carry what it lacks. Its guide, if it has
+        one, leads the rays
     ends : what paths end on; without it they go on until they are absorbed
     together : the rays of the receivers, as points of their sequences; receivers without a turn get nothing
 
@@ -60,7 +62,8 @@ def near_field(
     """
     receiver, sample, share = _samples(together)
     numbers = _numbers(receivers, together, seed)
-    directions, solid_angle = _directions(receivers, receiver, numbers)
+    guide = base.guide if base is not None else None
+    directions, solid_angle = _directions(receivers, receiver, numbers, guide)
     paths = _first_surfaces(world, receivers, receiver, directions)
     near = np.flatnonzero(list_near(world.reflectances, paths.materials, paths.geometry, bound))
     gathered, paths = paths, chosen_paths(paths, near)
@@ -87,14 +90,22 @@ def near_field(
 
 def hemisphere_rays(
     world: World, receivers: Receivers, *, samples: Stretch, seed: tuple[int, ...]
-) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Cosine-distributed rays from surface receivers: origins, directions (k, 3) and receiver (k,)."""
+) -> tuple[FloatArray, FloatArray, IntArray, FloatArray]:
+    """Cosine-distributed rays from surface receivers.
+
+    Returns
+    -------
+    origins, directions : (k, 3) float
+    receiver : (k,) int
+    numbers : (k, 2) float, that gave the directions
+    """
     table = sobol(2, samples, seed=seed)
     numbers = np.empty((len(receivers) * len(table), 2))
     rotated_numbers(table, hash_of(seed), receivers.identity, numbers)
     receiver = np.repeat(np.arange(len(receivers)), len(table))
-    directions, _ = _directions(receivers, receiver, numbers)
-    return world.caster.leave(receivers.points, receivers.normals)[receiver], directions, receiver
+    directions, _ = _directions(receivers, receiver, numbers, None)
+    origins = world.caster.leave(receivers.points, receivers.normals)[receiver]
+    return origins, directions, receiver, numbers
 
 
 def _with_detail(receivers: Receivers, arrivals: Arrivals) -> tuple[Arrivals, ...]:
@@ -133,12 +144,22 @@ def _numbers(receivers: Receivers, together: tuple[Turn, ...], seed: tuple[int, 
 
 
 def _directions(
-    receivers: Receivers, receiver: IntArray, numbers: FloatArray
+    receivers: Receivers, receiver: IntArray, numbers: FloatArray, guide: Guide | None
 ) -> tuple[FloatArray, FloatArray]:
     """First directions (k, 3) and the solid angle (k,) in sr that each stands for, one over its density."""
     directions = np.empty((len(numbers), 3))
     solid_angles = np.empty(len(numbers))
-    _draw_directions(receivers.normals, receivers.on_surface, receiver, numbers, directions, solid_angles)
+    rows = guide.at(receivers.points, receivers.normals) if guide else np.full(len(receivers), -1)
+    _draw_directions(
+        receivers.normals,
+        receivers.on_surface,
+        rows,
+        guide.density if guide else unguided(),
+        receiver,
+        numbers,
+        directions,
+        solid_angles,
+    )
     return directions, solid_angles
 
 
@@ -146,6 +167,8 @@ def _directions(
 def _draw_directions(
     normals: FloatArray,
     on_surface: BoolArray,
+    rows: IntArray,
+    density_by_cell: FloatArray,
     receiver: IntArray,
     numbers: FloatArray,
     directions: FloatArray,
@@ -153,7 +176,9 @@ def _draw_directions(
 ) -> None:
     for k in range(len(numbers)):
         r = receiver[k]
-        u, v = numbers[k, 0], numbers[k, 1]
+        u, v, lead = numbers[k, 0], numbers[k, 1], 1.0
+        if on_surface[r]:
+            u, v, lead = guided(density_by_cell, rows[r], u, v)
         if on_surface[r] or u < 0.5:
             x, y, z = cosine_direction(u if on_surface[r] else 2.0 * u, v)
             d = to_axis(x, y, z, normals[r, 0], normals[r, 1], normals[r, 2])
@@ -161,7 +186,7 @@ def _draw_directions(
             d = sphere_direction(2.0 * u - 1.0, v)
         directions[k] = d
         cos_theta = d[0] * normals[r, 0] + d[1] * normals[r, 1] + d[2] * normals[r, 2]
-        density = max(cos_theta, 1e-12 if on_surface[r] else 0.0) / math.pi
+        density = lead * max(cos_theta, 1e-12 if on_surface[r] else 0.0) / math.pi
         if not on_surface[r]:
             density = 0.5 * density + 0.125 / math.pi
         solid_angles[k] = 1.0 / density

@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 
 from lelight.channels import luminance_weighted
+from lelight.estimate.guide import Guide
 from lelight.estimate.pathstate import Paths
 from lelight.estimate.split import above, lobe_shares
 from lelight.scene import BoolArray, FloatArray, IntArray
@@ -38,6 +39,10 @@ LEAST_LACK, MOST_LACK = 1e-3, 0.5
 
 class SurfaceLuminance(Protocol):
     """A field that can say what a surface sends out, the same in every direction."""
+
+    @property
+    def guide(self) -> Guide | None:
+        """Where light comes from at receivers, if that is known."""
 
     def luminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
         """Luminance (k, C) in cd/m² of points (k, 3) on sides of triangles (k,)."""

@@ -13,10 +13,27 @@ NEIGHBOURS = 7
 PIECE = 1 << 16
 
 
+class Alike:
+    """Finds among places those that are near and face the same way."""
+
+    def __init__(self, points: FloatArray, normals: FloatArray) -> None:
+        """Other normals are as far as the extent of all places (m, 3)."""
+        self._extent = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+        self._tree = cKDTree(np.concatenate([points, self._extent * normals], axis=1))
+
+    def nearest(self, points: FloatArray, normals: FloatArray, count: int) -> IntArray:
+        """Places (k, count) nearest to points (k, 3) with unit normals (k, 3)."""
+        nearest = np.empty((len(points), count), dtype=np.int64)
+        for first in range(0, len(points), PIECE):
+            piece = slice(first, first + PIECE)
+            asked = np.concatenate([points[piece], self._extent * normals[piece]], axis=1)
+            nearest[piece] = self._tree.query(asked, k=np.arange(1, count + 1))[1]
+        return nearest
+
+
 def most_alike(points: FloatArray, normals: FloatArray, among: IntArray) -> IntArray:
     """Find for each place the nearest of some that faces the same way: (r,), index into ``among`` (k,)."""
-    extent = float(np.linalg.norm(np.ptp(points, axis=0)))
-    return _nearest(points[among], normals[among], points, normals, extent, 1)[:, 0]
+    return Alike(points[among], normals[among]).nearest(points, normals, 1)[:, 0]
 
 
 def alike(points: FloatArray, normals: FloatArray, *, left_out: BoolArray | None = None) -> IntArray:
@@ -30,27 +47,8 @@ def alike(points: FloatArray, normals: FloatArray, *, left_out: BoolArray | None
     nearest = np.tile(np.arange(len(points))[:, None], NEIGHBOURS)
     kept = np.arange(len(points)) if left_out is None else np.flatnonzero(~left_out)
     if len(kept) >= NEIGHBOURS:
-        extent = float(np.linalg.norm(np.ptp(points[kept], axis=0)))
         own = points[kept], normals[kept]
-        nearest[kept] = kept[_nearest(*own, *own, extent, NEIGHBOURS)]
-    return nearest
-
-
-def _nearest(
-    points: FloatArray,
-    normals: FloatArray,
-    asked: FloatArray,
-    asked_normals: FloatArray,
-    extent: float,
-    count: int,
-) -> IntArray:
-    """Find the places nearest to those asked for (k, count); other normals are as far as the extent, in m."""
-    tree = cKDTree(np.concatenate([points, extent * normals], axis=1))
-    nearest = np.empty((len(asked), count), dtype=np.int64)
-    for first in range(0, len(asked), PIECE):
-        piece = slice(first, first + PIECE)
-        places = np.concatenate([asked[piece], extent * asked_normals[piece]], axis=1)
-        nearest[piece] = tree.query(places, k=np.arange(1, count + 1))[1]
+        nearest[kept] = kept[Alike(*own).nearest(*own, NEIGHBOURS)]
     return nearest
 
 

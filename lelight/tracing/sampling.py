@@ -114,8 +114,11 @@ def sphere_direction(u: float, v: float) -> Vector:
 
 @njit(**_COMPILED)
 def to_axis(x: float, y: float, z: float, ax: float, ay: float, az: float) -> Vector:
-    """Turn a local direction so that z becomes the unit axis a (frame of Duff et al. 2017)."""
-    sign = 1.0 if az >= 0.0 else -1.0
+    """Turn a local direction so that z becomes the unit axis a (frame of Duff et al. 2017).
+
+    The frame jumps where az is -1/4, not where it is 0 as there: walls stand upright, and rounding must not turn them.
+    """
+    sign = 1.0 if az >= -0.25 else -1.0
     a = -1.0 / (sign + az)
     b = ax * ay * a
     return (

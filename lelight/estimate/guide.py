@@ -1,0 +1,135 @@
+"""Where light comes from at the nodes of the base field, by what its own rays saw: paths go there more often.
+
+Directions over a surface are drawn from two uniform numbers by Malley's method; the unit square of those is cut into
+cells of equal projected solid angle, and each cell is drawn in proportion to the light that came through it (the idea
+of Lafortune & Willems 1995, A 5D tree to reduce the variance of Monte Carlo ray tracing, and of many since). Part of
+the draws stays uniform, so nothing is missed and no weight is large.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from lelight.mesh.neighbours import Alike, alike
+from lelight.scene import BoolArray, FloatArray, IntArray
+
+_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
+
+#: Cells across the number that gives the elevation, and across that of the azimuth.
+RINGS, SECTORS = 8, 8
+CELLS = RINGS * SECTORS
+#: Share of draws that do not care where light comes from.
+EVENLY = 0.2
+#: Just below one.
+_LAST = math.nextafter(1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Guide:
+    """Densities of directions at places.
+
+    Attributes
+    ----------
+    density : (n, CELLS) float, of each cell over that of the cosine law; rows have mean 1
+    places : where they hold, in the order of some of the rows
+    rows : (m,) int, of the places
+    """
+
+    density: FloatArray
+    places: Alike
+    rows: IntArray
+
+    @classmethod
+    def of(
+        cls,
+        light: FloatArray,
+        rays: FloatArray,
+        points: FloatArray,
+        normals: FloatArray,
+        *,
+        hidden: BoolArray,
+    ) -> Guide:
+        """Take what rays found at places (n, 3), some of them hidden: see `densities`."""
+        rows = np.flatnonzero(~hidden)
+        around = alike(points, normals, left_out=hidden)
+        return cls(densities(light, rays, around), Alike(points[rows], normals[rows]), rows)
+
+    def at(self, points: FloatArray, normals: FloatArray) -> IntArray:
+        """Row (k,) of the nearest place that faces as these points (k, 3) do; -1 where there is none."""
+        if not len(self.rows):
+            return np.full(len(points), -1)
+        return np.asarray(self.rows[self.places.nearest(points, normals, 1)[:, 0]])
+
+
+def unguided() -> FloatArray:
+    """Densities of no place."""
+    return np.zeros((0, CELLS))
+
+
+def densities(light: FloatArray, rays: FloatArray, around: IntArray) -> FloatArray:
+    """Densities (n, CELLS) by what few rays saw: places around share it, and so do cells with those beside them.
+
+    Parameters
+    ----------
+    light : (n, CELLS) float, in any unit, that came through each cell
+    rays : (n, CELLS) float, how many went there; light that is the same everywhere leaves directions even
+    around : (n, k) int, places that share what they saw
+    """
+    sent = rays / rays.mean(axis=1, keepdims=True)
+    mean = light.mean(axis=1, keepdims=True)
+    found = np.divide(light, mean, out=sent.copy(), where=mean > 0.0)
+    found, sent = _shared(found, around), _shared(sent, around)
+    bright = np.divide(found, sent, out=np.ones_like(found), where=sent > 0.0)
+    return np.asarray(EVENLY + (1.0 - EVENLY) * bright / bright.mean(axis=1, keepdims=True))
+
+
+def _shared(values: FloatArray, around: IntArray) -> FloatArray:
+    """Average values (n, CELLS) over places around and cells beside each other."""
+    pooled = np.zeros_like(values, dtype=np.float64)
+    for column in around.T:
+        pooled += values[column]
+    grid = pooled.reshape(-1, RINGS, SECTORS) / around.shape[1]
+    grid = _beside(np.pad(grid, ((0, 0), (1, 1), (0, 0)), mode="edge"), axis=1)[:, 1:-1]
+    return _beside(grid, axis=2).reshape(-1, CELLS)
+
+
+def _beside(grid: FloatArray, *, axis: int) -> FloatArray:
+    """Average cells with the two beside them, half and half, around the circle."""
+    return np.asarray(0.5 * grid + 0.25 * (np.roll(grid, 1, axis) + np.roll(grid, -1, axis)))
+
+
+def cells_of(numbers: FloatArray) -> IntArray:
+    """Cell (k,) of pairs of uniform numbers (k, 2)."""
+    ring = np.minimum((numbers[:, 0] * RINGS).astype(np.int64), RINGS - 1)
+    sector = np.minimum((numbers[:, 1] * SECTORS).astype(np.int64), SECTORS - 1)
+    return np.asarray(ring * SECTORS + sector)
+
+
+@njit(**_COMPILED)
+def guided(density: FloatArray, row: int, u: float, v: float) -> tuple[float, float, float]:
+    """Warp two uniform numbers to the densities of a row: the two, and the density there; no row changes nothing."""
+    if row < 0:
+        return u, v, 1.0
+    left, ring, weight = u * CELLS, 0, 0.0
+    for i in range(RINGS):
+        weight = 0.0
+        for j in range(SECTORS):
+            weight += density[row, i * SECTORS + j]
+        ring = i
+        if left < weight:
+            break
+        left -= weight
+    u = min((ring + min(left / weight, 1.0)) / RINGS, _LAST)
+    left, sector, own = v * weight, 0, 0.0
+    for j in range(SECTORS):
+        own = density[row, ring * SECTORS + j]
+        sector = j
+        if left < own:
+            break
+        left -= own
+    v = min((sector + min(left / own, 1.0)) / SECTORS, _LAST)
+    return u, v, own
