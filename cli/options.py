@@ -88,7 +88,10 @@ _RUN_OPTIONS = [
     ),
     click.option("--edge", type=edge_length, metavar="LENGTH", help="Edge of the node mesh, m."),
     click.option(
-        "--adaptive", is_flag=True, default=None, help="Refine the mesh at edges of shadows and in spots."
+        "--adaptive",
+        is_flag=True,
+        default=None,
+        help="Refine the mesh where light is not linear over its triangles.",
     ),
     click.option(
         "--directions", type=click.IntRange(16, MOST_DIRECTIONS), help="Directions of --method grid."

@@ -1,19 +1,26 @@
 """The dynamic mesh: triangles over which light is not linear are cut, in rounds.
 
-What is bent is found by direct light, which makes the edges of shadows and the spots of lamps; light that surfaces
-exchange is smooth beside it. How far interpolation is off in the end is measured by probes, with all light.
+First by direct light, which makes the edges of shadows and the spots of lamps; then by the light that surfaces
+exchange, gathered from a base field: it bends in corners and under what stands close to a surface. How far
+interpolation is off in the end is measured by probes.
 """
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import Executor
+from dataclasses import replace
 
 import numpy as np
 
 from lelight.channels import luminance_weighted
 from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import ARRAY
+from lelight.estimate.base import BaseField
 from lelight.estimate.direct import direct_light, with_clear_share
+from lelight.estimate.nearfield import near_field
+from lelight.estimate.turns import Turn
+from lelight.mesh.locate import interpolate
 from lelight.mesh.nearest import nearest_points
 from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers, joined, space_receivers, with_surface
@@ -21,12 +28,13 @@ from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.sampling import Stretch
 from lelight.tracing.world import World
 
-#: Rounds of refinement; two halve the edges where it is needed.
-ROUNDS = 6
+#: Rounds of refinement by direct light, then by exchanged light; two halve the edges where it is needed.
+ROUNDS, ROUNDS_OF_EXCHANGE = 6, 4
 #: Points of a triangle where interpolation is held against light: its middle, and toward each corner.
 PLACES: FloatArray = np.array([[2, 2, 2], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / 6.0
-#: Shadow rays of each place, as power of two.
-LOG2_RAYS = 5
+MIDDLE = PLACES[:1]
+#: Shadow rays of each place, and rays that gather exchanged light in each half of the trial, as powers of two.
+LOG2_RAYS, LOG2_GATHERED = 5, 6
 CHUNK = 1024
 
 
@@ -50,19 +58,93 @@ def bent(
     keep, name : remembers what was found under this name, if anything shall
     """
     keep = keep or Keeper()
-    corners = mesh.vertices[mesh.triangles]
-    flat = np.einsum("pc,mcx->mpx", PLACES, corners).reshape(-1, 3)
-    patches = np.repeat(mesh.triangle_patches, len(PLACES))
-    points, traced = nearest_points(flat, patches, world.caster.corners, labels)
-    sides = np.repeat(mesh.triangle_sides, len(PLACES))[:, None]
-    normals = sides * world.normals[traced]
+    points, normals = _inside(world, mesh, labels, PLACES)
     inside = _direct(world, points, normals, seed, executor, keep, f"{name} inside")
     inside = inside.reshape(-1, len(PLACES))
     at_nodes = _direct(world, mesh.positions, mesh.normals, seed, executor, keep, f"{name} at nodes")
     off = np.abs(np.einsum("pc,mc->mp", PLACES, at_nodes[mesh.triangles]) - inside).max(axis=1)
     mean = float(np.average(at_nodes, weights=np.where(mesh.hidden, 0.0, mesh.areas)))
-    open_triangles = ~mesh.hidden[mesh.triangles].any(axis=1)
-    return np.asarray(open_triangles & (off > tolerance * np.maximum(inside.max(axis=1), mean)))
+    return np.asarray(_open(mesh) & (off > tolerance * np.maximum(inside.max(axis=1), mean)))
+
+
+def bent_by_exchange(
+    world: World,
+    base: BaseField,
+    mesh: NodeMesh,
+    labels: IntArray,
+    *,
+    tolerance: float,
+    seed: int,
+    executor: Executor,
+    keep: Keeper | None = None,
+    name: str = "exchange",
+) -> BoolArray:
+    """Say over which triangles (m,) of the mesh interpolated light from surfaces is off by more than the tolerance.
+
+    All places send their rays out alike, so that noise cuts a triangle seldom; and two halves of them must agree.
+
+    Parameters
+    ----------
+    base : what surfaces send out; its nodes need not be those of the mesh
+    labels : (n_t,) int, patch of each traced triangle
+    tolerance : relative to all light there by the base, or to its mean where that is more
+    keep, name : remembers what was found under this name, if anything shall
+    """
+    keep = keep or Keeper()
+    points, normals = _inside(world, mesh, labels, MIDDLE)
+    places = [(points, normals), (mesh.positions, mesh.normals)]
+    off = []
+    for half in (0, 1):
+        inside, at_nodes = (
+            _exchanged(world, base, *own, (seed, 23 + half), executor, keep, f"{name} {half}/{what}")
+            for what, own in enumerate(places)
+        )
+        off.append(at_nodes[mesh.triangles].mean(axis=1) - inside)
+    least = np.where(off[0] * off[1] > 0.0, np.minimum(*np.abs(off)), 0.0)
+    found = base.locator.find(mesh.positions, mesh.patches, mesh.sides)
+    level = luminance_weighted(interpolate(base.illuminance, *found))
+    mean = float(np.average(level, weights=np.where(mesh.hidden, 0.0, mesh.areas)))
+    return np.asarray(
+        _open(mesh) & (least > tolerance * np.maximum(level[mesh.triangles].mean(axis=1), mean))
+    )
+
+
+def _open(mesh: NodeMesh) -> BoolArray:
+    """Triangles (m,) of which no node is hidden."""
+    return np.asarray(~mesh.hidden[mesh.triangles].any(axis=1))
+
+
+def _inside(
+    world: World, mesh: NodeMesh, labels: IntArray, places: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Points and normals (m * p, 3) of places (p, 3), in barycentric coordinates, in the triangles of the mesh."""
+    flat = np.einsum("pc,mcx->mpx", places, mesh.vertices[mesh.triangles]).reshape(-1, 3)
+    patches = np.repeat(mesh.triangle_patches, len(places))
+    points, traced = nearest_points(flat, patches, world.caster.corners, labels)
+    return points, np.repeat(mesh.triangle_sides, len(places))[:, None] * world.normals[traced]
+
+
+def _exchanged(
+    world: World,
+    base: BaseField,
+    points: FloatArray,
+    normals: FloatArray,
+    seed: tuple[int, int],
+    executor: Executor,
+    keep: Keeper,
+    name: str,
+) -> FloatArray:
+    """Illuminance (k,) lx at surface points by what surfaces send out, all by the same directions over the normal."""
+    receivers = with_surface(space_receivers(points, normals))
+    receivers = replace(receivers, identity=np.zeros_like(receivers.identity))
+    unled, samples = replace(base, guide=None), Stretch.of(LOG2_GATHERED)
+
+    def part(own: Receivers) -> FloatArray:
+        together = (Turn.of_all(samples, len(own)),)
+        moments, _, _ = near_field(world, own, bound=math.inf, together=together, seed=seed, base=unled)
+        return luminance_weighted(moments[:, ILLUMINANCE])
+
+    return np.concatenate([np.zeros(0), *keep.map(executor, name, part, receivers.chunks(CHUNK), ARRAY)])
 
 
 def _direct(

@@ -1,4 +1,4 @@
-"""Before light is estimated: plan, node mesh, lit sides, receivers and the base field."""
+"""Before light is estimated: plan, nodes, receivers and the base field."""
 
 from __future__ import annotations
 
@@ -7,26 +7,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lelight.adaptation import ROUNDS, bent
 from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import form_of
-from lelight.crowding import crowded, require_clear_emitters, require_room
+from lelight.crowding import require_clear_emitters
 from lelight.errors import SceneError
-from lelight.estimate.base import BaseField, solve_base
+from lelight.estimate.base import BaseField
 from lelight.estimate.defect import with_starts
-from lelight.estimate.direct import with_clear_share
 from lelight.estimate.variants import DIRECT_ONLY, VARIANTS, Variant
 from lelight.memory import allowed_memory, require_fitting
-from lelight.mesh.grading import graded
-from lelight.mesh.locate import patch_sides
 from lelight.mesh.neighbours import alike
-from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
+from lelight.mesh.nodes import NodeMesh
 from lelight.mesh.patches import patches
 from lelight.mesh.probes import Probes, draw_probes
-from lelight.mesh.refinement import refine
-from lelight.mesh.remesh import default_edge, remesh
+from lelight.mesh.remesh import default_edge
 from lelight.metrics.grid import grid_points
-from lelight.pilot import buried, lit_sides, open_sides, stepped_aside, touching
+from lelight.placement import Placed, Site, place_nodes, solved_base, with_shared_clear_share
 from lelight.places import Places, further_places
 from lelight.plan import ASKED, Decision, Plan, make_plan
 from lelight.plancost import no_cost
@@ -40,18 +35,11 @@ from lelight.tracing.world import World, build_world
 #: nodes.
 PLANE_DOUBLINGS, EYE_DOUBLINGS = 2, 6
 
-#: Receivers asked at once how much of the emitters they see.
-CLEAR_SHARE_CHUNK = 1024
-
 #: Nodes of one side that a mesh has at the least, over its area and the inverse square of its edge.
 LEAST_NODES = 0.5
 
 #: Share of the light that all surfaces together must absorb, by area.
 LEAST_ABSORPTION = 1e-3
-
-#: Nodes of the mesh that the base field is solved on, about and at most, but for what the scene's own triangles ask.
-#: It is a draft: in an office of 115 000 nodes four times fewer for the base cost a tenth of variance.
-MOST_BASE_NODES = 1 << 15
 
 #: Said of lamps that make a spot on a surface close to them.
 SPOTS = Decision(
@@ -93,26 +81,6 @@ class Stage:
     variant: Variant
 
 
-@dataclass(frozen=True)
-class Placed:
-    """Nodes, and the sides (n_patches, 2) of patches that receive light."""
-
-    mesh: NodeMesh
-    lit: BoolArray
-
-
-@dataclass(frozen=True)
-class _Site:
-    """What nodes are placed on, how, and by whom."""
-
-    scene: Scene
-    world: World
-    labels: IntArray
-    settings: Settings
-    executor: Executor
-    keep: Keeper
-
-
 def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) -> Stage:
     """Plan, remesh, find the lit sides and the buried nodes, list the receivers."""
     plan = make_plan(scene, method=settings.method, forced=settings)
@@ -122,8 +90,8 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) 
     world = build_world(scene, plan.channels)
     require_absorption(scene, world)
     require_clear_emitters(scene, world)
-    site = _Site(scene, world, labels, settings, executor, keep)
-    placed = keep.once("mesh", lambda: _placed(site, edge), form_of(Placed))
+    site = Site(scene, world, labels, settings, executor, keep)
+    placed = keep.once("mesh", lambda: place_nodes(site, edge, exchange=plan.indirect), form_of(Placed))
     mesh, lit = placed.mesh, placed.lit
     if not len(mesh):
         raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
@@ -140,7 +108,7 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) 
     receivers = _receivers(scene, mesh, degrees, grids, probes, further)
     decided = (*plan.decisions, _sides(plan, mesh, lit), *([kept] if kept else []))
     plan = replace(plan, decisions=decided)
-    receivers = _with_clear_share(site, receivers, "clear share")
+    receivers = with_shared_clear_share(site, receivers, "clear share")
     base, variant = None, chosen_variant(plan, settings)
     if variant.on_base:
         base = _base(site, placed, receivers[slice(0, len(mesh))], edge)
@@ -186,120 +154,10 @@ def _sides(plan: Plan, mesh: NodeMesh, lit: BoolArray) -> Decision:
     return Decision("sides", value, "the others receive no light", no_cost(f"both sides x {more:.2g}"))
 
 
-def _placed(site: _Site, edge: float) -> Placed:
-    """Remesh, place nodes, and refine the mesh under them in rounds where that is asked for."""
-    scene, labels, keep = site.scene, site.labels, site.keep
-    surface = keep.once(
-        "mesh/surface",
-        lambda: graded(remesh(scene, labels, edge=edge), scene, labels),
-        form_of(SurfaceMesh),
-    )
-    keep.clock.lap("remesh")
-    seed, executor = site.settings.seed, site.executor
-    if site.settings.sides == "both":
-        lit = open_sides(site.world, labels)
-    else:
-        lit = lit_sides(scene, site.world, labels=labels, seed=seed, executor=executor, keep=keep)
-    placed = _seen_nodes(site, surface, lit, "buried")
-    for number in range(ROUNDS if site.settings.adaptive else 0):
-        asked = _asked(site, surface, placed, f"mesh/bent {number}")
-        if not asked.any():
-            break
-        surface = refine(surface, asked, corners=site.world.caster.corners, labels=labels)
-        placed = _seen_nodes(site, surface, lit, f"buried {number}")
-    return placed
-
-
-def _asked(site: _Site, surface: SurfaceMesh, placed: Placed, name: str) -> BoolArray:
-    """Triangles (m,) of the surface over which light is bent, on either side."""
-    off = bent(
-        site.world,
-        placed.mesh,
-        site.labels,
-        tolerance=site.settings.target_error,
-        seed=site.settings.seed,
-        executor=site.executor,
-        keep=site.keep,
-        name=name,
-    )
-    own = [np.flatnonzero(placed.lit[surface.triangle_patches, side]) for side in (0, 1)]
-    asked = np.zeros(len(surface.triangles), dtype=np.bool_)
-    asked[np.concatenate(own)[off]] = True
-    return asked
-
-
-def _seen_nodes(site: _Site, surface: SurfaceMesh, lit: BoolArray, name: str) -> Placed:
-    """Place nodes on the lit sides (n_patches, 2), hide the buried and crowded; a side with no other is not lit."""
-    scene, world = site.scene, site.world
-    mesh = stepped_aside(world, node_mesh(surface, lit))
-    hidden = buried(world, mesh, seed=site.settings.seed, executor=site.executor, keep=site.keep, name=name)
-    hidden |= _spared(mesh, touching(world, mesh) & ~hidden)
-    taken = crowded(world, mesh, site.labels)
-    require_room(scene, world, hide(mesh, hidden), taken)
-    hidden |= taken
-    if site.settings.sides == "both":
-        return Placed(hide(mesh, hidden), lit)
-    seen = np.zeros_like(lit)
-    seen[mesh.patches[~hidden], np.where(mesh.sides[~hidden] > 0, 0, 1)] = True
-    kept = seen[mesh.patches, np.where(mesh.sides > 0, 0, 1)]
-    if kept.all():
-        return Placed(hide(mesh, hidden), seen)
-    placed = replace(node_mesh(surface, seen), positions=mesh.positions[kept])
-    return Placed(hide(placed, hidden[kept]), seen)
-
-
-def _base(site: _Site, placed: Placed, nodes: Receivers, edge: float) -> BaseField:
-    """Solve the base field at the nodes, or on a coarser mesh where there are very many, and see what it lacks."""
-    mesh, seed, executor, keep = placed.mesh, site.settings.seed, site.executor, site.keep
-    if len(mesh) > MOST_BASE_NODES:
-        coarse = edge * (len(mesh) / MOST_BASE_NODES) ** 0.5
-        mesh = keep.once("base mesh", lambda: _coarse_nodes(site, placed.lit, coarse), form_of(NodeMesh))
-        nodes = joined([with_surface(space_receivers(mesh.positions, mesh.normals))])
-        nodes = _with_clear_share(site, nodes, "base clear share")
-    base = solve_base(
-        site.world, mesh, nodes, labels=site.labels, lit=placed.lit, seed=seed, executor=executor, keep=keep
-    )
-    return with_starts(site.world, base, seed=seed, executor=executor, keep=keep)
-
-
-def _coarse_nodes(site: _Site, lit: BoolArray, edge: float) -> NodeMesh:
-    """Place nodes on sides (n_patches, 2) that are known to be lit, over longer edges than those of the result."""
-    surface = graded(remesh(site.scene, site.labels, edge=edge), site.scene, site.labels)
-    # The pieces of this work are not kept: it takes seconds.
-    unkept = replace(site, keep=Keeper(stop=site.keep.stop))
-    return _seen_nodes(unkept, surface, lit, "buried").mesh
-
-
-@dataclass(frozen=True)
-class _ClearShare:
-    clear_share: FloatArray
-    direct_doublings: IntArray
-
-
-def _with_clear_share(site: _Site, receivers: Receivers, name: str) -> Receivers:
-    """`with_clear_share` by as many threads as there are."""
-
-    def part(own: Receivers) -> _ClearShare:
-        shared = with_clear_share(site.world, own, seed=(site.settings.seed, 3))
-        return _ClearShare(shared.clear_share, shared.direct_doublings)
-
-    def all_parts() -> _ClearShare:
-        chunks = receivers.chunks(CLEAR_SHARE_CHUNK)
-        parts = list(site.keep.map(site.executor, f"{name}/part", part, chunks, form_of(_ClearShare)))
-        return _ClearShare(
-            np.concatenate([found.clear_share for found in parts]),
-            np.concatenate([found.direct_doublings for found in parts]),
-        )
-
-    found = site.keep.once(name, all_parts, form_of(_ClearShare))
-    return replace(receivers, clear_share=found.clear_share, direct_doublings=found.direct_doublings)
-
-
-def _spared(mesh: NodeMesh, mask: BoolArray) -> BoolArray:
-    """Take from the mask (n,) the nodes of patch sides that it would leave with none."""
-    groups = patch_sides(mesh.patches, mesh.sides)
-    left = np.bincount(groups, ~mask)
-    return np.asarray(mask & (left[groups] > 0))
+def _base(site: Site, placed: Placed, nodes: Receivers, edge: float) -> BaseField:
+    """Solve the base field, and see what it lacks."""
+    base = solved_base(site, placed, nodes, edge, "base")
+    return with_starts(site.world, base, seed=site.settings.seed, executor=site.executor, keep=site.keep)
 
 
 def require_absorption(scene: Scene, world: World) -> None:

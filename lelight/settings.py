@@ -57,7 +57,7 @@ class Settings(Forced):
     memory : float or None; bytes that the run may take, None for a share of what is free
     cluster : str or None; address of the Dask scheduler whose workers take part, see `lelight.cluster`
     batches : int or None; exactly so many replicates, without doubling, instead of a target
-    adaptive : refine the mesh where direct light is not linear over its triangles
+    adaptive : refine the mesh where light is not linear over its triangles
     estimator : ``base`` gathers a first field and lets chains carry what it lacks; ``emitters`` lets chains
         from the emitters carry everything; ``paths`` has no chains. They are unbiased, their speed differs.
         The others of `lelight.estimate.variants` are for comparison.

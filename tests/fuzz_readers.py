@@ -30,7 +30,7 @@ from lelight.field import RadianceField
 from lelight.metrics.table import to_csv
 from lelight.pipelines.calc import run_calc
 from lelight.pipelines.results import read_metrics, read_run, table_lines
-from lelight.preparation import Placed
+from lelight.placement import Placed
 from lelight.reading.loading import load
 from lelight.receivers import space_receivers
 from lelight.reports.folder import open_folder

@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
+import math
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rooms import grey, lamp, lit, panel
 from shapes import box, icosphere
+from test_pathends import two_rooms
 
+from lelight.adaptation import bent_by_exchange
 from lelight.calculation import calculate
+from lelight.channels import luminance_weighted
+from lelight.estimate.nearfield import near_field
+from lelight.estimate.turns import Turn
 from lelight.mesh.edges import directed_edges, edge_keys
 from lelight.mesh.locate import Locator
 from lelight.mesh.patches import patches
 from lelight.mesh.pieces import triangle_quality
 from lelight.mesh.refinement import refine
 from lelight.mesh.remesh import remesh
+from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.scene import triangle_areas
 from lelight.settings import Settings
+from lelight.tracing.sampling import Stretch
 
 EXACT = 1e-9
 
@@ -132,3 +142,35 @@ def test_the_same_mesh_comes_out_twice(runs):
     again = calculate(shadowed(), Settings(edge=0.25, batches=2, target=0.05, adaptive=True, threads=1))
     assert np.array_equal(again.field.mesh.vertices, runs[1].field.mesh.vertices)
     assert np.array_equal(again.field.values.illuminance, runs[1].field.values.illuminance)
+
+
+def exchanged(stage, points, normals):
+    """Illuminance (k,) in lx that the base gives at places (k, 3), by many rays."""
+    receivers = with_surface(space_receivers(points, normals))
+    together = (Turn.of_all(Stretch.of(12), len(receivers)),)
+    moments, _, _ = near_field(
+        stage.world, receivers, bound=math.inf, together=together, seed=(9,), base=stage.base
+    )
+    return luminance_weighted(moments[:, ILLUMINANCE])
+
+
+def test_triangles_are_cut_over_which_exchanged_light_is_bent():
+    """What few rays find is held against many, over a room and one that gets its light through a door."""
+    stage, tolerance = two_rooms(), 0.03
+    mesh = stage.mesh
+    with ThreadPoolExecutor(2) as executor:
+        asked = bent_by_exchange(
+            stage.world, stage.base, mesh, stage.labels, tolerance=tolerance, seed=0, executor=executor
+        )
+    seen = np.flatnonzero(~mesh.hidden[mesh.triangles].any(axis=1))
+    corners = mesh.triangles[seen]
+    at_nodes = exchanged(stage, mesh.positions, mesh.normals)
+    middles = mesh.vertices[corners].mean(axis=1)
+    inside = exchanged(stage, middles, mesh.normals[corners[:, 0]])
+    level = luminance_weighted(stage.base.illuminance)
+    scale = np.maximum(level[corners].mean(axis=1), np.average(level, weights=mesh.areas * ~mesh.hidden))
+    off = np.abs(at_nodes[corners].mean(axis=1) - inside) / scale
+    asked = asked[seen]
+    assert 0.01 < asked.mean() < 0.5
+    assert np.mean(off[asked] > 0.7 * tolerance) > 0.9
+    assert np.mean(off[~asked] < 1.4 * tolerance) > 0.99

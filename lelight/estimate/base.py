@@ -92,13 +92,14 @@ def solve_base(
     seed: int,
     executor: Executor,
     keep: Keeper | None = None,
+    name: str = "base",
 ) -> BaseField:
     """Solve for the illuminance at all nodes of the mesh; gloss reflects as if it were Lambertian here.
 
     Parameters
     ----------
     receivers : those of the nodes, in their order
-    keep : remembers what was found, if anything shall
+    keep, name : remembers what was found under this name, if anything shall
     """
     locator = Locator(mesh)
     keep = keep or Keeper()
@@ -107,14 +108,14 @@ def solve_base(
         chunks = [slice(first, first + CHUNK) for first in range(0, len(mesh), CHUNK)]
         parts = keep.map(
             executor,
-            "base/rows",
+            f"{name}/rows",
             lambda chunk: _rows(world, locator, receivers[chunk], labels, seed),
             chunks,
             form_of(_Rows),
         )
         return _solution(world, mesh, list(parts))
 
-    solved = keep.once("base", solve, form_of(_Solved))
+    solved = keep.once(name, solve, form_of(_Solved))
     return BaseField(
         labels=labels,
         locator=locator,

@@ -1,0 +1,208 @@
+"""Where nodes lie: on the lit sides of the remeshed surface, refined where that is asked for, none of them buried.
+
+Refining by exchanged light needs a base field; that is solved here for the mesh at hand, whichever it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from lelight.adaptation import ROUNDS, ROUNDS_OF_EXCHANGE, bent, bent_by_exchange
+from lelight.checkpoint.keeper import Keeper
+from lelight.checkpoint.records import form_of
+from lelight.crowding import crowded, require_room
+from lelight.estimate.base import BaseField, solve_base
+from lelight.estimate.direct import with_clear_share
+from lelight.mesh.grading import graded
+from lelight.mesh.locate import patch_sides
+from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
+from lelight.mesh.refinement import refine
+from lelight.mesh.remesh import remesh
+from lelight.pilot import buried, lit_sides, open_sides, stepped_aside, touching
+from lelight.receivers import Receivers, joined, space_receivers, with_surface
+from lelight.scene import BoolArray, FloatArray, IntArray, Scene
+from lelight.settings import Settings
+from lelight.tracing.world import World
+
+#: Receivers asked at once how much of the emitters they see.
+CLEAR_SHARE_CHUNK = 1024
+
+#: Nodes of the mesh that the base field is solved on, about and at most, but for what the scene's own triangles ask.
+#: It is a draft: in an office of 115 000 nodes four times fewer for the base cost a tenth of variance.
+MOST_BASE_NODES = 1 << 15
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Nodes, and the sides (n_patches, 2) of patches that receive light."""
+
+    mesh: NodeMesh
+    lit: BoolArray
+
+
+@dataclass(frozen=True)
+class Site:
+    """What nodes are placed on, how, and by whom.
+
+    Attributes
+    ----------
+    labels : (n_t,) int, patch of each traced triangle
+    """
+
+    scene: Scene
+    world: World
+    labels: IntArray
+    settings: Settings
+    executor: Executor
+    keep: Keeper
+
+
+def place_nodes(site: Site, edge: float, *, exchange: bool) -> Placed:
+    """Remesh, place nodes, and refine the mesh under them where that is asked for, by exchanged light too or not."""
+    scene, labels, keep = site.scene, site.labels, site.keep
+    surface = keep.once(
+        "mesh/surface",
+        lambda: graded(remesh(scene, labels, edge=edge), scene, labels),
+        form_of(SurfaceMesh),
+    )
+    keep.clock.lap("remesh")
+    seed, executor = site.settings.seed, site.executor
+    if site.settings.sides == "both":
+        lit = open_sides(site.world, labels)
+    else:
+        lit = lit_sides(scene, site.world, labels=labels, seed=seed, executor=executor, keep=keep)
+    placed = _seen_nodes(site, surface, lit, "buried")
+    if not site.settings.adaptive:
+        return placed
+    base = None
+    if exchange:
+        nodes = with_shared_clear_share(site, _at_nodes(placed.mesh), "mesh/clear share")
+        base = solved_base(site, placed, nodes, edge, "mesh/base")
+    tolerance = site.settings.target_error
+    by_direct = partial(bent, site.world, tolerance=tolerance, labels=labels, seed=seed, executor=executor)
+    surface, placed = _refined(site, surface, lit, placed, by_direct, ROUNDS, "bent")
+    if base is not None:
+        by_exchange = partial(
+            bent_by_exchange,
+            site.world,
+            base,
+            tolerance=tolerance,
+            labels=labels,
+            seed=seed,
+            executor=executor,
+        )
+        surface, placed = _refined(site, surface, lit, placed, by_exchange, ROUNDS_OF_EXCHANGE, "exchange")
+    return placed
+
+
+def _refined(
+    site: Site,
+    surface: SurfaceMesh,
+    lit: BoolArray,
+    placed: Placed,
+    asks: Callable[..., BoolArray],
+    rounds: int,
+    name: str,
+) -> tuple[SurfaceMesh, Placed]:
+    """Cut the triangles over which light is off, on either side, in rounds, and place nodes anew."""
+    for number in range(rounds):
+        off = asks(mesh=placed.mesh, keep=site.keep, name=f"mesh/{name} {number}")
+        own = [np.flatnonzero(placed.lit[surface.triangle_patches, side]) for side in (0, 1)]
+        asked = np.zeros(len(surface.triangles), dtype=np.bool_)
+        asked[np.concatenate(own)[off]] = True
+        if not asked.any():
+            break
+        surface = refine(surface, asked, corners=site.world.caster.corners, labels=site.labels)
+        placed = _seen_nodes(site, surface, lit, f"buried {name} {number}")
+    return surface, placed
+
+
+def _seen_nodes(site: Site, surface: SurfaceMesh, lit: BoolArray, name: str) -> Placed:
+    """Place nodes on the lit sides (n_patches, 2), hide the buried and crowded; a side with no other is not lit."""
+    scene, world = site.scene, site.world
+    mesh = stepped_aside(world, node_mesh(surface, lit))
+    hidden = buried(world, mesh, seed=site.settings.seed, executor=site.executor, keep=site.keep, name=name)
+    hidden |= _spared(mesh, touching(world, mesh) & ~hidden)
+    taken = crowded(world, mesh, site.labels)
+    require_room(scene, world, hide(mesh, hidden), taken)
+    hidden |= taken
+    if site.settings.sides == "both":
+        return Placed(hide(mesh, hidden), lit)
+    seen = np.zeros_like(lit)
+    seen[mesh.patches[~hidden], np.where(mesh.sides[~hidden] > 0, 0, 1)] = True
+    kept = seen[mesh.patches, np.where(mesh.sides > 0, 0, 1)]
+    if kept.all():
+        return Placed(hide(mesh, hidden), seen)
+    placed = replace(node_mesh(surface, seen), positions=mesh.positions[kept])
+    return Placed(hide(placed, hidden[kept]), seen)
+
+
+def solved_base(site: Site, placed: Placed, nodes: Receivers, edge: float, name: str) -> BaseField:
+    """Solve the base field at the nodes, or on a coarser mesh where there are very many."""
+    mesh = placed.mesh
+    if len(mesh) > MOST_BASE_NODES:
+        coarse = edge * (len(mesh) / MOST_BASE_NODES) ** 0.5
+        mesh = site.keep.once(
+            f"{name} mesh", lambda: _coarse_nodes(site, placed.lit, coarse), form_of(NodeMesh)
+        )
+        nodes = with_shared_clear_share(site, _at_nodes(mesh), f"{name} clear share")
+    return solve_base(
+        site.world,
+        mesh,
+        nodes,
+        labels=site.labels,
+        lit=placed.lit,
+        seed=site.settings.seed,
+        executor=site.executor,
+        keep=site.keep,
+        name=name,
+    )
+
+
+def _at_nodes(mesh: NodeMesh) -> Receivers:
+    return joined([with_surface(space_receivers(mesh.positions, mesh.normals))])
+
+
+def _coarse_nodes(site: Site, lit: BoolArray, edge: float) -> NodeMesh:
+    """Place nodes on sides (n_patches, 2) that are known to be lit, over longer edges than those of the result."""
+    surface = graded(remesh(site.scene, site.labels, edge=edge), site.scene, site.labels)
+    # The pieces of this work are not kept: it takes seconds.
+    unkept = replace(site, keep=Keeper(stop=site.keep.stop))
+    return _seen_nodes(unkept, surface, lit, "buried").mesh
+
+
+@dataclass(frozen=True)
+class _ClearShare:
+    clear_share: FloatArray
+    direct_doublings: IntArray
+
+
+def with_shared_clear_share(site: Site, receivers: Receivers, name: str) -> Receivers:
+    """`with_clear_share` by as many threads as there are."""
+
+    def part(own: Receivers) -> _ClearShare:
+        shared = with_clear_share(site.world, own, seed=(site.settings.seed, 3))
+        return _ClearShare(shared.clear_share, shared.direct_doublings)
+
+    def all_parts() -> _ClearShare:
+        chunks = receivers.chunks(CLEAR_SHARE_CHUNK)
+        parts = list(site.keep.map(site.executor, f"{name}/part", part, chunks, form_of(_ClearShare)))
+        return _ClearShare(
+            np.concatenate([found.clear_share for found in parts]),
+            np.concatenate([found.direct_doublings for found in parts]),
+        )
+
+    found = site.keep.once(name, all_parts, form_of(_ClearShare))
+    return replace(receivers, clear_share=found.clear_share, direct_doublings=found.direct_doublings)
+
+
+def _spared(mesh: NodeMesh, mask: BoolArray) -> BoolArray:
+    """Take from the mask (n,) the nodes of patch sides that it would leave with none."""
+    groups = patch_sides(mesh.patches, mesh.sides)
+    left = np.bincount(groups, ~mask)
+    return np.asarray(mask & (left[groups] > 0))
