@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Literal
 
 from lelight.dial import edge_scale
-from lelight.dialvalues import PRESET_POINTS
+from lelight.dialvalues import DRAFT
 from lelight.estimate.variants import Estimator
 from lelight.harmonics.hemigrid import Extension
 from lelight.plan import Forced, Method
@@ -23,20 +23,18 @@ class PresetValues:
     Attributes
     ----------
     target : float, relative standard error (root mean square over the visible nodes by area)
-    edge_scale : float, edge length of the node mesh against the default of the scene's size
     picture_size, picture_samples : int, pixels across an observer's picture and rays a pixel
     """
 
     target: float
-    edge_scale: float
     picture_size: int
     picture_samples: int
 
 
 PRESETS: dict[Preset, PresetValues] = {
-    "draft": PresetValues(*PRESET_POINTS["draft"], picture_size=500, picture_samples=1),
-    "normal": PresetValues(*PRESET_POINTS["normal"], picture_size=800, picture_samples=4),
-    "fine": PresetValues(*PRESET_POINTS["fine"], picture_size=1000, picture_samples=9),
+    "draft": PresetValues(DRAFT, picture_size=500, picture_samples=1),
+    "normal": PresetValues(0.02, picture_size=800, picture_samples=4),
+    "fine": PresetValues(0.01, picture_size=1000, picture_samples=9),
 }
 
 
@@ -90,8 +88,8 @@ class Settings(Forced):
 
     @property
     def edge_scale(self) -> float:
-        """Edge of the node mesh against the default of the scene's size: the preset's, or what goes with the target."""
-        return self.values.edge_scale if self.target is None else edge_scale(self.target)
+        """Edge of the node mesh against the default of the scene's size: what goes with the target."""
+        return edge_scale(self.target_error)
 
     @property
     def workers(self) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from lelight.dial import edge_scale
 from lelight.mesh.remesh import default_edge
 from lelight.plan import make_plan
 from lelight.scene import Scene
@@ -50,7 +51,11 @@ def variations(scene: Scene) -> list[Variation]:
     ]
     found += [
         Variation(
-            "preset", name, f"preset-{name}", {"target": values.target, "preset": name}, values.edge_scale
+            "preset",
+            name,
+            f"preset-{name}",
+            {"target": values.target, "preset": name},
+            edge_scale(values.target),
         )
         for name, values in PRESETS.items()
     ]

@@ -4,8 +4,8 @@
 
 Every scene runs at every pair of target and edge that is not too much work; runs are kept in FOLDER and not done
 again. Of each scene the front of processor seconds and error found is taken. For each target the edge is the one whose
-runs lie nearest to the fronts, as mean over the scenes of log(error / error of the front in the same time); a power
-law through these edges is the dial. Presets are the dial's points at their targets.
+runs lie nearest to the fronts, as mean over the scenes of log(error / error of the front in the same time); these are
+the points of the dial. Presets are the dial at their targets; a draft's is as loose as is worth it.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import asdict
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -34,8 +35,8 @@ TARGETS = (0.16, 0.08, 0.04, 0.02)
 SCALES = (2.5, 1.6, 1.0, 0.65, 0.45)
 #: Pairs with more work than this, 1/(target x scale)², are left out; the time of references, s.
 MOST_WORK, REFERENCE_SECONDS = 6000.0, 150.0
-#: Targets of the presets.
-PRESETS = {"draft": 0.08, "normal": 0.02, "fine": 0.01}
+#: Times as long that half the error may take where a draft had better take it.
+WORTH = 1.5
 
 
 def measured(name: str, folder: Path) -> list[dict]:
@@ -105,26 +106,55 @@ def _lowest(behind: dict[float, float]) -> float:
     return float(np.exp(np.clip(-tilt / (2.0 * bend), np.log(near[0]), np.log(near[2]))))
 
 
+def dial_of(best: dict[float, float]) -> tuple[list[tuple[float, float]], float]:
+    """Points (target, edge) of the dial, the tightest target first, and the power that goes on beyond them.
+
+    Runs to very loose targets are all the same, with the least samples there are: no edge is less than a tighter
+    target's.
+    """
+    targets = sorted(best)
+    scales = np.maximum.accumulate([best[target] for target in targets])
+    power, _ = np.polyfit(np.log(targets), np.log(scales), 1)
+    return [(target, float(f"{scale:.3g}")) for target, scale in zip(targets, scales, strict=True)], power
+
+
+def draft_of(tables: list[list[dict]], best: dict[float, float]) -> float:
+    """Target of a draft: the loosest from which on half the error takes more than so many times as long."""
+    targets = sorted(best, reverse=True)
+    for loose, tight in pairwise(targets):
+        times = [_seconds(rows, tight, best[tight]) / _seconds(rows, loose, best[loose]) for rows in tables]
+        print(f"{loose:.0%} to {tight:.0%}: {np.mean(times):.2f} times as long")
+        if np.mean(times) > WORTH:
+            return loose
+    return targets[-1]
+
+
+def _seconds(rows: list[dict], target: float, scale: float) -> float:
+    """Processor seconds of a scene's run to a target, its edge the nearest to a scale."""
+    own = [row for row in rows if row["settings"]["target"] == target]
+    return float(min(own, key=lambda row: abs(np.log(row["scale"] / scale)))["cpu_seconds"])
+
+
 def main() -> None:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "presets")
     folder.mkdir(parents=True, exist_ok=True)
-    best = edges([measured(name, folder) for name in SCENES])
-    power, at_one = np.polyfit(np.log(list(best)), np.log(list(best.values())), 1)
-    law = {name: float(np.exp(at_one + power * np.log(target))) for name, target in PRESETS.items()}
+    tables = [measured(name, folder) for name in SCENES]
+    best = edges(tables)
     print("edges: " + ", ".join(f"{t:.0%}: {s:.3g}" for t, s in best.items()))
+    points, power = dial_of(best)
     lines = [
-        '"""Dial of edge by target, and the presets on it; written by ``tests/derive_presets.py``, not by hand."""',
+        '"""Dial of edge by target; written by ``tests/derive_presets.py``, not by hand."""',
         "",
         "from __future__ import annotations",
         "",
-        "from typing import Literal",
-        "",
-        "#: Edge length over the default of the scene's size is AT_ONE x target ** POWER.",
-        f"AT_ONE, POWER = {np.exp(at_one):.4g}, {power:.4g}",
-        "#: Target and edge scale of each preset.",
-        'PRESET_POINTS: dict[Literal["draft", "normal", "fine"], tuple[float, float]] = {',
-        *(f'    "{name}": ({PRESETS[name]:g}, {scale:.3g}),' for name, scale in law.items()),
-        "}",
+        "#: Targets, and edge length over the default of the scene's size at each.",
+        "POINTS: tuple[tuple[float, float], ...] = (",
+        *(f"    ({target:g}, {scale:g})," for target, scale in points),
+        ")",
+        "#: The edge goes with this power of the target beyond them.",
+        f"POWER = {power:.4g}",
+        f"#: Target of a draft: half the error takes more than {WORTH:g} times as long.",
+        f"DRAFT = {draft_of(tables, dict(points)):g}",
         "",
     ]
     (ROOT / "lelight" / "dialvalues.py").write_text("\n".join(lines), encoding="utf-8")

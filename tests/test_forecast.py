@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import json
+import math
 
 import numpy as np
 import pytest
 from commandline import lelight, write_room
 from rooms import furnace, grey, lit, panel
+from scipy.optimize import brentq
 from shapes import box
 
 from lelight.calculation import calculate
 from lelight.checkpoint.keeper import Keeper
 from lelight.dial import COARSEST, FINEST, edge_scale
-from lelight.dialvalues import AT_ONE, POWER, PRESET_POINTS
+from lelight.dialvalues import POINTS, POWER
 from lelight.estimate.blocks import Effort
 from lelight.estimate.effort import batches_for
 from lelight.estimate.schedule import WANTED_BATCHES
@@ -46,10 +48,17 @@ def room():
     return lit(*shapes, materials=[grey("walls", 0.6), grey("lamp", 0.5, luminance=100.0)])
 
 
-def test_presets_are_points_of_the_dial():
-    for name, (target, scale) in PRESET_POINTS.items():
-        assert (PRESETS[name].target, PRESETS[name].edge_scale) == (target, scale)
-        assert edge_scale(target) == pytest.approx(scale, rel=0.01)
+def test_presets_lie_on_the_dial():
+    for name, values in PRESETS.items():
+        assert Settings(preset=name).edge_scale == edge_scale(values.target)
+
+
+def test_the_dial_passes_through_what_was_found_and_goes_on_by_its_power():
+    for target, scale in POINTS:
+        assert edge_scale(target) == pytest.approx(scale)
+    (tightest, finest), (second, coarser) = POINTS[:2]
+    assert edge_scale(math.sqrt(tightest * second)) == pytest.approx(math.sqrt(finest * coarser))
+    assert edge_scale(tightest / 2.0) == pytest.approx(finest / 2.0**POWER)
 
 
 def test_finer_targets_go_with_shorter_edges_within_limits():
@@ -58,7 +67,6 @@ def test_finer_targets_go_with_shorter_edges_within_limits():
     assert all(FINEST <= scale <= COARSEST for scale in scales)
     assert edge_scale(1e-9) == FINEST
     assert Settings(target=0.05).edge_scale == edge_scale(0.05)
-    assert Settings(preset="draft").edge_scale == PRESETS["draft"].edge_scale
 
 
 def test_work_grows_with_nodes_and_the_square_of_the_target():
@@ -83,7 +91,7 @@ def test_the_edge_that_a_budget_buys_fills_it():
     assert edges == sorted(edges, reverse=True)
     for seconds, edge in zip((20.0, 60.0, 400.0), edges, strict=True):
         # The target that goes with the edge, by the dial the other way round.
-        target = (edge / 0.4 / AT_ONE) ** (1.0 / POWER)
+        target = brentq(lambda each, edge=edge: 0.4 * edge_scale(each) - edge, 1e-4, POINTS[-2][0])
         assert PILOT.seconds_for(edge, target) == pytest.approx(seconds, rel=0.05)
     assert dialled_edge(PILOT, 0.4, 1.0) == pytest.approx(0.4 * edge_scale(MOST_TARGET))
 
