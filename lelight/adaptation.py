@@ -8,8 +8,10 @@ interpolation is off in the end is measured by probes.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -59,12 +61,15 @@ def bent(
     """
     keep = keep or Keeper()
     points, normals = _inside(world, mesh, labels, PLACES)
-    inside = _direct(world, points, normals, seed, executor, keep, f"{name} inside")
+    places = [_places(points, normals), _places(mesh.positions, mesh.normals)]
+    light = partial(_direct, world, seed)
+    inside, at_nodes = (
+        _by_chunks(light, own, executor, keep, f"{name} {what}")
+        for own, what in zip(places, ("inside", "at nodes"), strict=True)
+    )
     inside = inside.reshape(-1, len(PLACES))
-    at_nodes = _direct(world, mesh.positions, mesh.normals, seed, executor, keep, f"{name} at nodes")
     off = np.abs(np.einsum("pc,mc->mp", PLACES, at_nodes[mesh.triangles]) - inside).max(axis=1)
-    mean = float(np.average(at_nodes, weights=np.where(mesh.hidden, 0.0, mesh.areas)))
-    return np.asarray(_open(mesh) & (off > tolerance * np.maximum(inside.max(axis=1), mean)))
+    return _beyond(mesh, off, tolerance, inside.max(axis=1), at_nodes)
 
 
 def bent_by_exchange(
@@ -92,26 +97,27 @@ def bent_by_exchange(
     """
     keep = keep or Keeper()
     points, normals = _inside(world, mesh, labels, MIDDLE)
-    places = [(points, normals), (mesh.positions, mesh.normals)]
+    places = [_all_alike(_places(points, normals)), _all_alike(_places(mesh.positions, mesh.normals))]
     off = []
     for half in (0, 1):
+        light = partial(_exchanged, world, replace(base, guide=None), (seed, 23 + half))
         inside, at_nodes = (
-            _exchanged(world, base, *own, (seed, 23 + half), executor, keep, f"{name} {half}/{what}")
-            for what, own in enumerate(places)
+            _by_chunks(light, own, executor, keep, f"{name} {half}/{what}") for what, own in enumerate(places)
         )
         off.append(at_nodes[mesh.triangles].mean(axis=1) - inside)
     least = np.where(off[0] * off[1] > 0.0, np.minimum(*np.abs(off)), 0.0)
     found = base.locator.find(mesh.positions, mesh.patches, mesh.sides)
     level = luminance_weighted(interpolate(base.illuminance, *found))
-    mean = float(np.average(level, weights=np.where(mesh.hidden, 0.0, mesh.areas)))
-    return np.asarray(
-        _open(mesh) & (least > tolerance * np.maximum(level[mesh.triangles].mean(axis=1), mean))
-    )
+    return _beyond(mesh, least, tolerance, level[mesh.triangles].mean(axis=1), level)
 
 
-def _open(mesh: NodeMesh) -> BoolArray:
-    """Triangles (m,) of which no node is hidden."""
-    return np.asarray(~mesh.hidden[mesh.triangles].any(axis=1))
+def _beyond(
+    mesh: NodeMesh, off: FloatArray, tolerance: float, level: FloatArray, at_nodes: FloatArray
+) -> BoolArray:
+    """Triangles (m,) without hidden nodes where ``off`` exceeds the tolerance of the light there or on average."""
+    mean = float(np.average(at_nodes, weights=np.where(mesh.hidden, 0.0, mesh.areas)))
+    seen = ~mesh.hidden[mesh.triangles].any(axis=1)
+    return np.asarray(seen & (off > tolerance * np.maximum(level, mean)))
 
 
 def _inside(
@@ -124,44 +130,35 @@ def _inside(
     return points, np.repeat(mesh.triangle_sides, len(places))[:, None] * world.normals[traced]
 
 
-def _exchanged(
-    world: World,
-    base: BaseField,
-    points: FloatArray,
-    normals: FloatArray,
-    seed: tuple[int, int],
+def _places(points: FloatArray, normals: FloatArray) -> Receivers:
+    return joined([with_surface(space_receivers(points, normals))])
+
+
+def _all_alike(receivers: Receivers) -> Receivers:
+    """Let all send rays out in the same directions over their normals."""
+    return replace(receivers, identity=np.zeros_like(receivers.identity))
+
+
+def _by_chunks(
+    light: Callable[[Receivers], FloatArray],
+    receivers: Receivers,
     executor: Executor,
     keep: Keeper,
     name: str,
 ) -> FloatArray:
-    """Illuminance (k,) lx at surface points by what surfaces send out, all by the same directions over the normal."""
-    receivers = with_surface(space_receivers(points, normals))
-    receivers = replace(receivers, identity=np.zeros_like(receivers.identity))
-    unled, samples = replace(base, guide=None), Stretch.of(LOG2_GATHERED)
-
-    def part(own: Receivers) -> FloatArray:
-        together = (Turn.of_all(samples, len(own)),)
-        moments, _, _ = near_field(world, own, bound=math.inf, together=together, seed=seed, base=unled)
-        return luminance_weighted(moments[:, ILLUMINANCE])
-
-    return np.concatenate([np.zeros(0), *keep.map(executor, name, part, receivers.chunks(CHUNK), ARRAY)])
+    """Illuminance (k,) lx at receivers, as many at once as a thread takes."""
+    return np.concatenate([np.zeros(0), *keep.map(executor, name, light, receivers.chunks(CHUNK), ARRAY)])
 
 
-def _direct(
-    world: World,
-    points: FloatArray,
-    normals: FloatArray,
-    seed: int,
-    executor: Executor,
-    keep: Keeper,
-    name: str,
-) -> FloatArray:
-    """Direct illuminance (k,) lx at surface points, without noise where nothing is in the way."""
-    receivers = joined([with_surface(space_receivers(points, normals))])
+def _exchanged(world: World, base: BaseField, seed: tuple[int, int], own: Receivers) -> FloatArray:
+    """Illuminance (k,) lx by what surfaces send out."""
+    together = (Turn.of_all(Stretch.of(LOG2_GATHERED), len(own)),)
+    moments, _, _ = near_field(world, own, bound=math.inf, together=together, seed=seed, base=base)
+    return luminance_weighted(moments[:, ILLUMINANCE])
 
-    def part(own: Receivers) -> FloatArray:
-        shared = with_clear_share(world, own, seed=(seed, 21))
-        moments, _ = direct_light(world, shared, samples=Stretch.of(LOG2_RAYS), seed=(seed, 22))
-        return luminance_weighted(moments[:, ILLUMINANCE])
 
-    return np.concatenate([np.zeros(0), *keep.map(executor, name, part, receivers.chunks(CHUNK), ARRAY)])
+def _direct(world: World, seed: int, own: Receivers) -> FloatArray:
+    """Direct illuminance (k,) lx, without noise where nothing is in the way."""
+    shared = with_clear_share(world, own, seed=(seed, 21))
+    moments, _ = direct_light(world, shared, samples=Stretch.of(LOG2_RAYS), seed=(seed, 22))
+    return luminance_weighted(moments[:, ILLUMINANCE])

@@ -79,25 +79,21 @@ def place_nodes(site: Site, edge: float, *, exchange: bool) -> Placed:
     placed = _seen_nodes(site, surface, lit, "buried")
     if not site.settings.adaptive:
         return placed
-    base = None
-    if exchange:
-        nodes = with_shared_clear_share(site, _at_nodes(placed.mesh), "mesh/clear share")
-        base = solved_base(site, placed, nodes, edge, "mesh/base")
-    tolerance = site.settings.target_error
+    unrefined, tolerance = placed, site.settings.target_error
     by_direct = partial(bent, site.world, tolerance=tolerance, labels=labels, seed=seed, executor=executor)
     surface, placed = _refined(site, surface, lit, placed, by_direct, ROUNDS, "bent")
-    if base is not None:
-        by_exchange = partial(
-            bent_by_exchange,
-            site.world,
-            base,
-            tolerance=tolerance,
-            labels=labels,
-            seed=seed,
-            executor=executor,
-        )
-        surface, placed = _refined(site, surface, lit, placed, by_exchange, ROUNDS_OF_EXCHANGE, "exchange")
-    return placed
+    if not exchange:
+        return placed
+    by_exchange = partial(
+        bent_by_exchange,
+        site.world,
+        solved_base(site, unrefined, edge, "mesh/base"),
+        tolerance=tolerance,
+        labels=labels,
+        seed=seed,
+        executor=executor,
+    )
+    return _refined(site, surface, lit, placed, by_exchange, ROUNDS_OF_EXCHANGE, "exchange")[1]
 
 
 def _refined(
@@ -142,15 +138,25 @@ def _seen_nodes(site: Site, surface: SurfaceMesh, lit: BoolArray, name: str) -> 
     return Placed(hide(placed, hidden[kept]), seen)
 
 
-def solved_base(site: Site, placed: Placed, nodes: Receivers, edge: float, name: str) -> BaseField:
-    """Solve the base field at the nodes, or on a coarser mesh where there are very many."""
+def solved_base(
+    site: Site, placed: Placed, edge: float, name: str, *, nodes: Receivers | None = None
+) -> BaseField:
+    """Solve the base field at the nodes, or on a coarser mesh where there are very many.
+
+    Parameters
+    ----------
+    nodes : receivers at the nodes that know how much of the emitters they see, where there are such already
+    """
     mesh = placed.mesh
     if len(mesh) > MOST_BASE_NODES:
         coarse = edge * (len(mesh) / MOST_BASE_NODES) ** 0.5
         mesh = site.keep.once(
             f"{name} mesh", lambda: _coarse_nodes(site, placed.lit, coarse), form_of(NodeMesh)
         )
-        nodes = with_shared_clear_share(site, _at_nodes(mesh), f"{name} clear share")
+        nodes = None
+    if nodes is None:
+        nodes = joined([with_surface(space_receivers(mesh.positions, mesh.normals))])
+        nodes = with_shared_clear_share(site, nodes, f"{name} clear share")
     return solve_base(
         site.world,
         mesh,
@@ -162,10 +168,6 @@ def solved_base(site: Site, placed: Placed, nodes: Receivers, edge: float, name:
         keep=site.keep,
         name=name,
     )
-
-
-def _at_nodes(mesh: NodeMesh) -> Receivers:
-    return joined([with_surface(space_receivers(mesh.positions, mesh.normals))])
 
 
 def _coarse_nodes(site: Site, lit: BoolArray, edge: float) -> NodeMesh:

@@ -156,7 +156,7 @@ def _sides(plan: Plan, mesh: NodeMesh, lit: BoolArray) -> Decision:
 
 def _base(site: Site, placed: Placed, nodes: Receivers, edge: float) -> BaseField:
     """Solve the base field, and see what it lacks."""
-    base = solved_base(site, placed, nodes, edge, "base")
+    base = solved_base(site, placed, edge, "base", nodes=nodes)
     return with_starts(site.world, base, seed=site.settings.seed, executor=site.executor, keep=site.keep)
 
 
