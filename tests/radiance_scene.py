@@ -7,25 +7,16 @@ not reflect, and shines from the front only.
 from __future__ import annotations
 
 import importlib.metadata
-import importlib.util
-import os
 import subprocess
 from pathlib import Path
 
 import numpy as np
+from radianceprograms import environment, program
 
 from lelight.scene import FloatArray, Material, Scene
 
 #: How far places are off their surface, in m.
 LIFT = 1e-4
-
-
-def program(name: str) -> str:
-    """Path of one of Radiance's programs."""
-    package = importlib.util.find_spec("pyradiance")
-    if package is None or package.origin is None:
-        raise ModuleNotFoundError("pyradiance, which brings Radiance, is not installed")
-    return str(Path(package.origin).parent / "bin" / name)
 
 
 def version() -> str:
@@ -64,7 +55,6 @@ def illuminance_by_radiance(
     """Illuminance (k,) in lx at places (k, 3) by ``rtrace -I`` with options."""
     rows = np.concatenate([points + LIFT * normals, normals], axis=1)
     sent = "\n".join(" ".join(f"{value:.9g}" for value in row) for row in rows)
-    library = str(Path(program("rtrace")).parents[1] / "lib")
     done = subprocess.run(
         [program("rtrace"), "-I", "-h", "-n", str(threads), *options.split(), octree.name],
         cwd=octree.parent,
@@ -72,6 +62,6 @@ def illuminance_by_radiance(
         capture_output=True,
         text=True,
         check=True,
-        env=os.environ | {"RAYPATH": library},
+        env=environment(),
     )
     return np.array([float(line.split()[0]) for line in done.stdout.splitlines() if line.strip()])

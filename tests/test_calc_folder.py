@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import csv
-import importlib.util
 import json
 import math
 import os
@@ -19,6 +18,7 @@ import OpenImageIO
 import pytest
 import pyvista
 from commandline import NASTY, QUICK, lelight
+from radianceprograms import environment, program
 
 from lelight.calculation import calculate
 from lelight.reading.loading import load
@@ -260,17 +260,13 @@ def test_hdr_header_has_view_and_exposure(run):
 
 
 def test_evalglare_reads_the_picture(run, metrics):
-    package = importlib.util.find_spec("pyradiance")
-    if package is None or package.origin is None:
-        pytest.skip("pyradiance, which brings evalglare, is not installed")
-    evalglare = Path(package.origin).parent / "bin" / "evalglare"
     told = subprocess.run(
-        [evalglare, "-d", run.out / "observers" / f"{STEM}.hdr"],
+        [program("evalglare"), "-d", run.out / "observers" / f"{STEM}.hdr"],
         capture_output=True,
         text=True,
         timeout=60,
         check=True,
-        env={**os.environ, "RAYPATH": str(evalglare.parents[1] / "lib")},
+        env=environment(),
     )
     assert told.stderr == ""
     dgp = re.search(r"dgp,[^:]*: ([0-9.]+)", told.stdout)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from radianceprograms import program
 
 from lelight.camera import Fisheye, Perspective, as_picture, stratified_offsets, view_axes
 from lelight.panorama import Cylindrical
@@ -163,11 +162,7 @@ def test_offsets_are_stratified_in_both_coordinates(count):
     "camera", [Fisheye(EYE, EAST), Perspective(EYE, EAST), Cylindrical(EYE, EAST, horizontal_angle=5.0)]
 )
 def test_radiance_sends_the_same_rays(camera):
-    found = importlib.util.find_spec("pyradiance")
-    if found is None or found.origin is None:
-        pytest.skip("pyradiance, whose wheel holds vwrays, is not installed")
-    vwrays = Path(found.origin).parent / "bin" / "vwrays"
-    asked = [vwrays, *camera.view(12, 8).split(), "-x", "12", "-y", "8", "-pa", "0"]
+    asked = [program("vwrays"), *camera.view(12, 8).split(), "-x", "12", "-y", "8", "-pa", "0"]
     told = subprocess.run(asked, capture_output=True, text=True, check=True).stdout
     rays = np.array([[float(number) for number in line.split()] for line in told.splitlines()])
     # vwrays lists all pixels of a fisheye, those beyond 90° too.

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import math
-import os
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from commandline import lelight
+from radianceprograms import environment, program
 from test_metrics_picture import OBSERVER, ONE, THREE, WEAK, fisheye, rate, scene
 
 from lelight.camera import Fisheye
@@ -168,17 +167,13 @@ def test_merging_and_peaks_can_be_chosen():
 
 def evalglare(picture: Path) -> dict[str, float]:
     """What evalglare says of a picture; the test is skipped where it is not installed."""
-    package = importlib.util.find_spec("pyradiance")
-    if package is None or package.origin is None:
-        pytest.skip("pyradiance, which brings evalglare, is not installed")
-    program = Path(package.origin).parent / "bin" / "evalglare"
     told = subprocess.run(
-        [program, "-d", picture],
+        [program("evalglare"), "-d", picture],
         capture_output=True,
         text=True,
         timeout=120,
         check=True,
-        env={**os.environ, "RAYPATH": str(program.parents[1] / "lib")},
+        env=environment(),
     )
     names, _, numbers = told.stdout.strip().splitlines()[-1].partition(":")
     return dict(zip(names.split(","), map(float, numbers.split()), strict=True))

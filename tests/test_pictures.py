@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
-import os
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO
 import pytest
+from radianceprograms import environment, program
 
 from lelight.camera import Fisheye, as_picture
 from lelight.errors import OutputError
@@ -109,16 +108,12 @@ def test_a_scanline_is_four_literal_channels():
 
 def evalglare(picture: Path) -> dict[str, float]:
     """Figures that evalglare prints, by name."""
-    found = importlib.util.find_spec("pyradiance")
-    if found is None or found.origin is None:
-        pytest.skip("pyradiance, whose wheel holds evalglare, is not installed")
-    package = Path(found.origin).parent
     run = subprocess.run(
-        [package / "bin" / "evalglare", "-d", picture],
+        [program("evalglare"), "-d", picture],
         capture_output=True,
         text=True,
         check=True,
-        env={**os.environ, "RAYPATH": str(package / "lib")},
+        env=environment(),
     )
     assert run.stderr == ""
     names, numbers = run.stdout.splitlines()[-1].split(":")
