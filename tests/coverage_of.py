@@ -1,16 +1,19 @@
 """How often nominal 95 % intervals hold the truth, over many seeds of whole runs.
 
-``python tests/coverage_of.py office --seeds 200 --target 0.03 --edge 0.8`` prints a line for nodes and for the
-mean and the minimum of each plane. What is true is the mean over all other seeds, whose own error widens the
-interval: with 200 seeds by a quarter of a per cent.
+``python tests/coverage_of.py office --seeds 200 --target 0.03 --edge 0.8 -o runs`` prints a line for nodes, for
+the mean and the minimum of each plane and for the UGR of each eye. What is true is the mean over all other seeds,
+whose own error widens the interval: with 200 seeds by a quarter of a per cent. Runs are kept in ``runs``; called
+again, the command computes those that are missing.
 """
 
 from __future__ import annotations
 
 import argparse
+import pickle
 from dataclasses import replace
 from functools import reduce
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +24,24 @@ from shapes import box, placed
 from lelight.calculation import Calculation, calculate
 from lelight.metrics.extremes import counted, least
 from lelight.metrics.figure import from_replicates
+from lelight.metrics.glare import observer_figures
+from lelight.pipelines.eyes import sources_seen
 from lelight.reading.loading import load
 from lelight.scene import FloatArray, MeasuringPlane, Scene
 from lelight.settings import Settings
 
 SCENES = Path(__file__).parents[1] / "scenes"
 STEPS = 6
+
+#: Values (k,), standard errors (k,) and degrees of freedom.
+Stated = tuple[FloatArray, FloatArray, int]
+
+
+class Kept(NamedTuple):
+    """What one run states, by name, and where its visible nodes lie (k,)."""
+
+    stated: dict[str, Stated]
+    places: NDArray[np.bytes_]
 
 
 def stairs() -> Scene:
@@ -49,8 +64,8 @@ def scene_of(name: str) -> Scene:
     return stairs() if name == "stairs" else load(SCENES / f"{name}.toml")
 
 
-def figures_of(run: Calculation) -> dict[str, tuple[FloatArray, FloatArray, int]]:
-    """Values (k,), standard errors (k,) and degrees of freedom of what a run states."""
+def figures_of(run: Calculation) -> dict[str, Stated]:
+    """What a run states of its nodes, planes and eyes."""
     replicates = run.replicates
     nodes = np.flatnonzero(~run.field.mesh.hidden)
     stated = {"nodes": (replicates.mean[nodes], run.field.std_error[nodes], replicates.count - 1)}
@@ -62,6 +77,11 @@ def figures_of(run: Calculation) -> dict[str, tuple[FloatArray, FloatArray, int]
         if error_of_minimum is not None:
             freedom = counted(len(each)) - 1
             stated[f"{name}: minimum"] = (np.array([minimum]), np.array([error_of_minimum]), freedom)
+    for eye in run.observers:
+        ugr = observer_figures(eye, sources_seen(run.field, eye.observer))["ugr"]
+        if ugr.value is not None and ugr.std_error:
+            freedom = replicates.count - 1
+            stated[f"{eye.observer.name}: UGR"] = (np.array([ugr.value]), np.array([ugr.std_error]), freedom)
     return stated
 
 
@@ -73,7 +93,7 @@ def visible_places(run: Calculation) -> NDArray[np.bytes_]:
     return np.array([row.tobytes().hex() for row in columns], dtype=np.bytes_)
 
 
-def coverage(runs: list[tuple[FloatArray, FloatArray, int]]) -> float:
+def coverage(runs: list[Stated]) -> float:
     """Share of intervals, over all seeds and values, that hold the mean of the other seeds."""
     values = np.array([value for value, _, _ in runs])
     count = len(values)
@@ -86,6 +106,29 @@ def coverage(runs: list[tuple[FloatArray, FloatArray, int]]) -> float:
     return float(np.mean(held))
 
 
+def kept_run(scene: Scene, settings: Settings, folder: Path) -> Kept:
+    """What the run of a seed states, computed where no file of it is kept yet."""
+    file = folder / f"{settings.seed}.pickle"
+    if not file.exists():
+        run = calculate(scene, settings)
+        half = file.with_suffix(".half")
+        half.write_bytes(pickle.dumps((figures_of(run), visible_places(run))))
+        half.replace(file)
+    return Kept(*pickle.loads(file.read_bytes()))
+
+
+def nodes_in_common(runs: list[Kept]) -> list[Stated]:
+    """What each run states of the nodes that are visible in all.
+
+    The pilot may find a node buried under one seed and not under another.
+    """
+    shared = reduce(np.intersect1d, [run.places for run in runs])
+    chosen = [np.isin(run.places, shared) for run in runs]
+    orders = [np.flatnonzero(own)[np.argsort(run.places[own])] for own, run in zip(chosen, runs, strict=True)]
+    nodes = [(run.stated["nodes"], order) for run, order in zip(runs, orders, strict=True)]
+    return [(value[order], error[order], freedom) for (value, error, freedom), order in nodes]
+
+
 def main() -> None:
     """Run all seeds and print what was covered."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -93,26 +136,19 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--target", type=float, default=0.03)
     parser.add_argument("--edge", type=float, default=0.8)
+    parser.add_argument("--threads", type=int)
+    parser.add_argument("-o", "--folder", type=Path, required=True)
     given = parser.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
     scene = scene_of(given.scene)
-    settings = Settings(target=given.target, edge=given.edge, time=600.0)
-    stated, places = [], []
-    for seed in range(given.seeds):
-        run = calculate(scene, replace(settings, seed=seed))
-        stated.append(figures_of(run))
-        places.append(visible_places(run))
-    # The pilot may find a node buried under one seed and not under another: only what all runs share counts.
-    shared = reduce(np.intersect1d, places)
-    for each, own in zip(stated, places, strict=True):
-        order = np.argsort(own)
-        chosen = order[np.searchsorted(own, shared, sorter=order)]
-        values, errors, freedom = each["nodes"]
-        each["nodes"] = values[chosen], errors[chosen], freedom
-    print(
-        f"{given.scene}, target {given.target:.0%}, edge {given.edge} m: {given.seeds} seeds, {len(shared)} nodes"
-    )
-    for name in stated[0]:
-        print(f"  {name}: {coverage([each[name] for each in stated]):.1%}", flush=True)
+    settings = Settings(target=given.target, edge=given.edge, threads=given.threads)
+    runs = [kept_run(scene, replace(settings, seed=seed), given.folder) for seed in range(given.seeds)]
+    nodes = nodes_in_common(runs)
+    print(f"{given.scene}, target {given.target:.0%}, edge {given.edge} m: {given.seeds} seeds")
+    print(f"  {len(nodes[0][0])} nodes: {coverage(nodes):.1%}")
+    for name in runs[0].stated.keys() - {"nodes"}:
+        stated = [run.stated[name] for run in runs if name in run.stated]
+        print(f"  {name}: {coverage(stated):.1%} of {len(stated)}", flush=True)
 
 
 if __name__ == "__main__":
