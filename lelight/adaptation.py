@@ -27,7 +27,7 @@ from lelight.mesh.nearest import nearest_points
 from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers, joined, space_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
 
 #: Rounds of refinement by direct light, then by exchanged light; two halve the edges where it is needed.

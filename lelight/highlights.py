@@ -19,7 +19,8 @@ from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import hash_of
 from lelight.tracing.emitters import Emitters
 from lelight.tracing.reflection import Reflectances
-from lelight.tracing.sampling import Stretch, mirrored, sobol
+from lelight.tracing.sampling import mirrored
+from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.world import World
 
 #: Share of its peak below which a Phong lobe shows nothing of an emitter.

@@ -23,7 +23,8 @@ from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers, space_receivers, surface_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 from lelight.tracing.chains import emission_chains, hash_of
-from lelight.tracing.sampling import Stretch, cosine_directions
+from lelight.tracing.sampling import cosine_directions
+from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
 
 #: Chains of the pilot walk, as power of two.

@@ -32,7 +32,7 @@ from lelight.reading.loading import load
 from lelight.receivers import ILLUMINANCE
 from lelight.scene import FloatArray, Scene
 from lelight.settings import Settings
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 
 FOLDER = Path(__file__).parents[1] / "scenes"
 SCENES: dict[str, Callable[[], Scene]] = {

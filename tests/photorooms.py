@@ -10,7 +10,7 @@ from lelight.estimate.direct import direct_light, with_clear_share
 from lelight.reading.loading import load
 from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.scene import FloatArray, Scene
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World, build_world
 
 #: The room of CIE 171:2006, 4 x 4 x 3 m, fronts inwards.

@@ -20,7 +20,8 @@ from lelight.tracing.chains import (
     joined,
     walk_on,
 )
-from lelight.tracing.sampling import Stretch, mirrored
+from lelight.tracing.sampling import mirrored
+from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import build_world
 
 EXACT = 1e-9

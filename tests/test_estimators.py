@@ -42,7 +42,7 @@ from lelight.receivers import (
 )
 from lelight.scene import Scene
 from lelight.settings import Settings
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import build_world
 
 RHO = 0.6

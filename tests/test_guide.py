@@ -23,7 +23,8 @@ from lelight.preparation import prepare
 from lelight.reading.loading import load
 from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.settings import Settings
-from lelight.tracing.sampling import Stretch, to_axis
+from lelight.tracing.sampling import to_axis
+from lelight.tracing.sobol import Stretch
 
 
 def some_densities(rng):

@@ -28,7 +28,7 @@ from lelight.tracing.chains import emission_chains, emit
 from lelight.tracing.distributions import collect_distributions, table_direction
 from lelight.tracing.lamps import has_closed_form
 from lelight.tracing.openings import seen_openings
-from lelight.tracing.sampling import Stretch, sobol
+from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.world import build_world
 
 UP = (0.0, 0.0, 1.0)

@@ -23,9 +23,9 @@ from lelight.estimate.variants import VARIANTS
 from lelight.preparation import prepare
 from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.settings import Settings
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 
-REPLICATES = 24
+REPLICATES = 64
 #: Bound at the surfaces of paths, 1/m².
 BOUND = 0.1
 #: On the floor beside the wall that parts two rooms, on either side, in the dark room, and under its shelf.

@@ -27,7 +27,7 @@ from lelight.mesh.remesh import remesh
 from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.scene import triangle_areas
 from lelight.settings import Settings
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 
 EXACT = 1e-9
 

@@ -13,7 +13,7 @@ from verdicts import follows
 
 from lelight.tracing import sampling
 from lelight.tracing.reflection import lobe_density
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 
 SAMPLES = 20_000
 RINGS, SECTORS = 12, 8
@@ -137,24 +137,6 @@ def test_mix_is_the_published_generator():
     state = 1234567
     outputs = [int(sampling.mix(np.uint64((state + k * golden) % 2**64), np.uint64(0))) for k in range(2)]
     assert outputs == [6457827717110365317, 3203168211198807973]
-
-
-def test_sobol_is_balanced_in_every_dimension_and_repeatable():
-    """2^k scrambled points put exactly one in each of 2^k equal intervals of each axis (a (0, k, 1)-net)."""
-    points = sampling.sobol(29, Stretch.of(6), seed=(1, 2))
-    assert points.shape == (64, 29)
-    assert np.array_equal(np.sort(np.floor(points * 64), axis=0), np.tile(np.arange(64.0)[:, None], 29))
-    assert np.array_equal(points, sampling.sobol(29, Stretch.of(6), seed=(1, 2)))
-    assert not np.array_equal(points, sampling.sobol(29, Stretch.of(6), seed=(1, 3)))
-
-
-def test_a_sequence_that_doubles_and_goes_by_parts_is_the_same_sequence():
-    whole = sampling.sobol(5, Stretch.of(7), seed=(4,))
-    doubled = [sampling.sobol(5, Stretch.of(5, k), seed=(4,)) for k in range(3)]
-    assert np.array_equal(np.concatenate(doubled), whole)
-    parts = [sampling.sobol(5, part, seed=(4,)) for part in Stretch.of(6, 1).parts(24)]
-    assert [len(part) for part in parts] == [24, 24, 16]
-    assert np.array_equal(np.concatenate(parts), whole[64:])
 
 
 def test_solid_angle_of_an_octant_and_of_a_cube_face():

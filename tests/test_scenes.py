@@ -18,7 +18,7 @@ from lelight.reading.loading import load
 from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 from lelight.scene import LUMINANCE_WEIGHTS, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
 from lelight.tracing.rays import RayCaster
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import build_world
 
 SCENES = Path(__file__).parents[1] / "scenes"

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from numba import njit
 from scipy.sparse import csr_array
 
 from lelight.channels import luminance_weighted
@@ -27,7 +28,7 @@ from lelight.mesh.locate import Locator, interpolate
 from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
 
 #: Rays of each node, as power of two: more make the draft smoother, and the batches' work lighter. Few nodes have the
@@ -78,8 +79,18 @@ class BaseField:
 
     def luminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
         """Tell what the Lambertian lobes make of it (k, C), cd/m²."""
-        reflectance = self.diffuse[self.materials[triangles]]
-        return reflectance * self.illuminance_at(triangles, points, front) / math.pi
+        light = self.illuminance_at(triangles, points, front)
+        _reflect(light, self.diffuse, self.materials, triangles)
+        return light
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _reflect(light: FloatArray, diffuse: FloatArray, materials: IntArray, triangles: IntArray) -> None:
+    """Make luminance of illuminance (k, C), in place."""
+    for k in range(len(light)):
+        m = materials[triangles[k]]
+        for c in range(light.shape[1]):
+            light[k, c] *= diffuse[m, c] / math.pi
 
 
 def solve_base(

@@ -23,7 +23,7 @@ from lelight.estimate.chainwalk import all_vertices
 from lelight.estimate.variants import VARIANTS, Variant
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import IntArray
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
 
 #: Receivers in a block: enough for coherent rays, few enough for memory and for all threads to have work.

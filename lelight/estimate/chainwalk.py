@@ -9,7 +9,7 @@ from lelight.estimate.base import BaseField
 from lelight.estimate.defect import defect_chains
 from lelight.estimate.variants import Variant
 from lelight.tracing.chains import ChainVertices, emission_chains, joined, no_vertices
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
 
 #: Chains walked at once, a power of two; bounds memory, and is part of what their numbers depend on.

@@ -36,7 +36,8 @@ from lelight.tracing.chains import (
     no_vertices,
     walk_on,
 )
-from lelight.tracing.sampling import Stretch, cosine_directions
+from lelight.tracing.sampling import cosine_directions
+from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
 
 #: Rays to emitters and into the room that estimate the defect where a chain starts, as power of two.

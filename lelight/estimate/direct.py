@@ -29,7 +29,8 @@ from lelight.tracing.drawing import (
 )
 from lelight.tracing.emitters import Emitters
 from lelight.tracing.lamps import has_closed_form, toward_lamp
-from lelight.tracing.sampling import Stretch, mix, rotated, sobol, uniform
+from lelight.tracing.sampling import mix, rotated, uniform
+from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.triangles import triangle_density
 from lelight.tracing.world import World
 

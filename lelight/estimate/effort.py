@@ -29,7 +29,7 @@ from lelight.estimate.variants import VARIANTS, Variant
 from lelight.mesh.neighbours import alike, half_pooled, most_alike
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import FloatArray, IntArray
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
 
 #: Trial batches, and the samples of each part in one, as powers of two.

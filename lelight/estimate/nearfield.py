@@ -25,7 +25,8 @@ from lelight.estimate.turns import Turn
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import hash_of
-from lelight.tracing.sampling import Stretch, cosine_direction, sobol, sphere_direction, to_axis
+from lelight.tracing.sampling import cosine_direction, sphere_direction, to_axis
+from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}

@@ -99,9 +99,32 @@ def path_bound(world: World, vertices: ChainVertices) -> float:
 
 def bounded_base(world: World, base: SurfaceLuminance, paths: Paths, bound: float) -> FloatArray:
     """Take the base's luminance (k, C) times the share of the kernel below the bound, min(1, b/G)."""
-    front = np.einsum("kx,kx->k", paths.normals, world.normals[paths.triangles]) > 0
+    front = _fronts(paths.normals, world.normals, paths.triangles)
     luminance = base.luminance_at(paths.triangles, paths.points, front)
-    return luminance * np.minimum(1.0, bound / np.maximum(paths.geometry, 1e-300))[:, None]
+    _keep_below(luminance, paths.geometry, bound)
+    return luminance
+
+
+@njit(**_COMPILED)
+def _fronts(normals: FloatArray, triangle_normals: FloatArray, triangles: IntArray) -> BoolArray:
+    """Say on which surfaces (k,) a normal is that of the triangle's front."""
+    front = np.empty(len(triangles), dtype=np.bool_)
+    for k in range(len(triangles)):
+        t = triangles[k]
+        along = 0.0
+        for axis in range(3):
+            along += normals[k, axis] * triangle_normals[t, axis]
+        front[k] = along > 0.0
+    return front
+
+
+@njit(**_COMPILED)
+def _keep_below(luminance: FloatArray, geometry: FloatArray, bound: float) -> None:
+    """Multiply (k, C) by the share of the kernel (k,) below the bound, in place."""
+    for k in range(len(geometry)):
+        if geometry[k] > bound:
+            for c in range(luminance.shape[1]):
+                luminance[k, c] *= bound / geometry[k]
 
 
 def taken_up(world: World, paths: Paths, bound: float, numbers: FloatArray) -> IntArray:

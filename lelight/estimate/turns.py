@@ -10,7 +10,7 @@ import numpy as np
 
 from lelight.estimate.workingset import SAMPLES_AT_ONCE
 from lelight.scene import IntArray
-from lelight.tracing.sampling import Stretch
+from lelight.tracing.sobol import Stretch
 
 
 @dataclass(frozen=True)

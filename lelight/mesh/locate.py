@@ -5,11 +5,14 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+from numba import njit
 from scipy.spatial import cKDTree
 
 from lelight.mesh.nearest import TriangleGrid
 from lelight.mesh.nodes import NodeMesh
-from lelight.scene import FloatArray, IntArray
+from lelight.scene import BoolArray, FloatArray, IntArray
+
+_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
 class Locator:
@@ -52,12 +55,7 @@ class Locator:
         groups = patch_sides(np.asarray(patches), np.asarray(sides))
         triangles, weights = self._grid.find(points, groups)
         nodes = np.zeros((len(points), 3), dtype=np.int64)
-        nodes[triangles >= 0] = self._mesh.triangles[triangles[triangles >= 0]]
-        weights[self._mesh.hidden[nodes]] = 0.0
-        total = weights.sum(axis=1)
-        seen = total > 0
-        weights[seen] /= total[seen, None]
-        lost = np.flatnonzero(~seen & (triangles >= 0))
+        lost = _only_visible(triangles, self._mesh.triangles, self._mesh.hidden, nodes, weights)
         if len(lost):
             nodes[lost, 0], weights[lost, 0] = self._nearest_visible(points[lost], groups[lost])
         return nodes, weights
@@ -91,6 +89,49 @@ def patch_sides(patches: IntArray, sides: IntArray) -> IntArray:
     return np.asarray(2 * patches + (sides < 0))
 
 
+@njit(**_COMPILED)
+def _only_visible(
+    found: IntArray, triangles: IntArray, hidden: BoolArray, nodes: IntArray, weights: FloatArray
+) -> IntArray:
+    """Write the nodes (k, 3) of the triangles found, hidden ones without weight; returns which points see none."""
+    lost = np.zeros(len(found), dtype=np.bool_)
+    for k in range(len(found)):
+        t = found[k]
+        if t < 0:
+            continue
+        total = 0.0
+        for corner in range(3):
+            node = triangles[t, corner]
+            nodes[k, corner] = node
+            if hidden[node]:
+                weights[k, corner] = 0.0
+            total += weights[k, corner]
+        if total > 0.0:
+            for corner in range(3):
+                weights[k, corner] /= total
+        else:
+            lost[k] = True
+    return np.flatnonzero(lost)
+
+
 def interpolate(values: FloatArray, nodes: IntArray, weights: FloatArray) -> FloatArray:
-    """Interpolate node values (n, ...) at located points: (k, ...), in the unit of the values."""
-    return np.asarray(np.einsum("kc,kc...->k...", weights, values[nodes]))
+    """Interpolate node values (n, ...) at located points: (k, ...), in the unit of the values; 0 without nodes."""
+    if not len(values):
+        return np.zeros((len(nodes), *values.shape[1:]))
+    table = np.ascontiguousarray(values, dtype=np.float64).reshape(len(values), -1)
+    return _mixed(table, nodes, weights).reshape(len(nodes), *values.shape[1:])
+
+
+@njit(**_COMPILED)
+def _mixed(values: FloatArray, nodes: IntArray, weights: FloatArray) -> FloatArray:
+    """Mix rows of values (n, c) by weights (k, 3)."""
+    mixed = np.empty((len(nodes), values.shape[1]))
+    for k in range(len(nodes)):
+        a, b, c = nodes[k, 0], nodes[k, 1], nodes[k, 2]
+        for column in range(values.shape[1]):
+            mixed[k, column] = (
+                weights[k, 0] * values[a, column]
+                + weights[k, 1] * values[b, column]
+                + weights[k, 2] * values[c, column]
+            )
+    return mixed

@@ -1,8 +1,9 @@
 """The nearest triangle: of a group of triangles, the one closest to a point, and where on it.
 
 Each group (a patch, or one side of it) has a grid of square cells in the coordinate plane that it faces
-most. Cells are searched in growing squares around the point until nothing nearer can lie further out, so the
-answer is exact on curved groups and for points beside them too.
+most. A point that lies on a triangle of its own cell is found there at once, by linear functions; for others cells are
+searched in growing squares around the point until nothing nearer can lie further out, so the answer is exact on curved
+groups and for points beside them too.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from lelight.scene import FloatArray, IntArray
 
 #: A point this much nearer to a triangle than a cell is wide lies on it: look no further.
 ON_SURFACE = 1e-7
+#: Least cosine between a triangle's normal and the axis left out, for which two coordinates tell where a point is.
+LEAST_FACING = 0.1
 
 
 class Grids(NamedTuple):
@@ -32,6 +35,8 @@ class Grids(NamedTuple):
     first_cells : (g + 1,) int
     starts : (cells + 1,) int into members
     members : (k,) int, triangles cell by cell
+    linear : (m, 10) float; of the two kept coordinates the weights of corners b and c, of all three the height over
+        the plane in m, each with its constant last; NaN for a triangle that is seen nearly edge on
     """
 
     corners: FloatArray
@@ -42,6 +47,7 @@ class Grids(NamedTuple):
     first_cells: IntArray
     starts: IntArray
     members: IntArray
+    linear: FloatArray
 
 
 class TriangleGrid:
@@ -78,9 +84,8 @@ class TriangleGrid:
         """
         found = np.full(len(points), -1, dtype=np.int64)
         weights = np.zeros((len(points), 3))
-        known = (groups >= 0) & (groups < len(self._grids.shapes))
-        local = np.ascontiguousarray(points - self._centre, dtype=np.float64)
-        _search(local, np.where(known, groups, -1).astype(np.int64), self._grids, found, weights)
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        _search(points, self._centre, np.asarray(groups, dtype=np.int64), self._grids, found, weights)
         return found, weights
 
 
@@ -115,7 +120,25 @@ def _layout(corners: FloatArray, groups: IntArray) -> Grids:
         shapes[filled] = np.floor(spans / steps[filled, None]).astype(np.int64) + 1
     first_cells = np.concatenate([[0], np.cumsum(shapes.prod(axis=1))])
     nothing = np.empty(0, dtype=np.int64)
-    return Grids(corners, axes, lows, steps, shapes, first_cells, nothing, nothing)
+    linear = _linear(corners, axes[groups]) if len(groups) else np.empty((0, 10))
+    return Grids(corners, axes, lows, steps, shapes, first_cells, nothing, nothing, linear)
+
+
+def _linear(corners: FloatArray, axes: IntArray) -> FloatArray:
+    """Linear functions of `Grids` for triangles (m, 3, 3) of which the coordinates ``axes`` (m, 2) are kept."""
+    flat = np.take_along_axis(corners, axes[:, None, :], axis=2)
+    a, ab, ac = flat[:, 0], flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        area = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
+        of_b = np.column_stack([ac[:, 1], -ac[:, 0], a[:, 1] * ac[:, 0] - a[:, 0] * ac[:, 1]]) / area[:, None]
+        of_c = np.column_stack([-ab[:, 1], ab[:, 0], a[:, 0] * ab[:, 1] - a[:, 1] * ab[:, 0]]) / area[:, None]
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    foot = np.einsum("mx,mx->m", normals, corners[:, 0])
+    linear = np.column_stack([of_b, of_c, normals, -foot])
+    facing = np.take_along_axis(normals, 3 - axes.sum(axis=1, keepdims=True), axis=1)[:, 0]
+    linear[~(np.abs(facing) >= LEAST_FACING)] = np.nan
+    return np.asarray(linear)
 
 
 def _footprints(
@@ -158,28 +181,52 @@ def _visit_cells(grids: Grids, groups: IntArray, cursor: IntArray, members: IntA
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def _search(points: FloatArray, groups: IntArray, grids: Grids, found: IntArray, weights: FloatArray) -> None:
-    """Search rings of cells around each point, nearest first, until the next ring is too far away."""
-    corners = grids.corners
+def _search(
+    points: FloatArray,
+    centre: FloatArray,
+    groups: IntArray,
+    grids: Grids,
+    found: IntArray,
+    weights: FloatArray,
+) -> None:
+    """Look in each point's own cell, then in rings of cells around it until the next ring is too far away."""
+    corners, linear = grids.corners, grids.linear
+    axes, lows, steps, shapes = grids.axes, grids.lows, grids.steps, grids.shapes
+    first_cells, starts, members = grids.first_cells, grids.starts, grids.members
     for k in range(len(points)):
         group = groups[k]
-        if group < 0 or grids.shapes[group, 0] == 0:
+        if group < 0 or group >= len(shapes) or shapes[group, 0] == 0:
             continue
-        step, columns, rows = grids.steps[group], grids.shapes[group, 0], grids.shapes[group, 1]
-        x, y, z = points[k, 0], points[k, 1], points[k, 2]
-        u = points[k, grids.axes[group, 0]] - grids.lows[group, 0]
-        v = points[k, grids.axes[group, 1]] - grids.lows[group, 1]
+        step, columns, rows = steps[group], shapes[group, 0], shapes[group, 1]
+        x, y, z = points[k, 0] - centre[0], points[k, 1] - centre[1], points[k, 2] - centre[2]
+        first, second = axes[group, 0], axes[group, 1]
+        p, q = points[k, first] - centre[first], points[k, second] - centre[second]
+        u, v = p - lows[group, 0], q - lows[group, 1]
         column, row = _cell(u, step, columns), _cell(v, step, rows)
         least = np.inf
+        cell = first_cells[group] + column * rows + row
+        for place in range(starts[cell], starts[cell + 1]):
+            t = members[place]
+            wb = linear[t, 0] * p + linear[t, 1] * q + linear[t, 2]
+            wc = linear[t, 3] * p + linear[t, 4] * q + linear[t, 5]
+            if wb >= 0.0 and wc >= 0.0 and wb + wc <= 1.0:
+                height = linear[t, 6] * x + linear[t, 7] * y + linear[t, 8] * z + linear[t, 9]
+                if abs(height) <= ON_SURFACE * step:
+                    least = 0.0
+                    found[k] = t
+                    weights[k, 0], weights[k, 1], weights[k, 2] = 1.0 - wb - wc, wb, wc
+                    break
+        if least == 0.0:
+            continue
         for ring in range(max(columns, rows)):
             for i in range(max(column - ring, 0), min(column + ring, columns - 1) + 1):
                 whole = ring == 0 or i == column - ring or i == column + ring
                 for j in range(row - ring, row + ring + 1, 1 if whole else 2 * ring):
                     if j < 0 or j >= rows:
                         continue
-                    cell = grids.first_cells[group] + i * rows + j
-                    for place in range(grids.starts[cell], grids.starts[cell + 1]):
-                        triangle = grids.members[place]
+                    cell = first_cells[group] + i * rows + j
+                    for place in range(starts[cell], starts[cell + 1]):
+                        triangle = members[place]
                         distance, wb, wc = closest(x, y, z, corners, triangle)
                         if distance < least:
                             least = distance

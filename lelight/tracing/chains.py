@@ -17,16 +17,8 @@ from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.emitters import Emitters
 from lelight.tracing.lamps import emitted_ray
 from lelight.tracing.reflection import Reflectances, diffuse_probability
-from lelight.tracing.sampling import (
-    Stretch,
-    cosine_direction,
-    lobe_direction,
-    mirrored,
-    mix,
-    sobol,
-    to_axis,
-    uniform,
-)
+from lelight.tracing.sampling import cosine_direction, lobe_direction, mirrored, mix, to_axis, uniform
+from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.world import World
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}

@@ -8,9 +8,6 @@ them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numba import njit
@@ -21,46 +18,6 @@ from lelight.scene import FloatArray
 Vector = tuple[float, float, float]
 
 _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """Part of a quasi-random sequence: ``count`` points from number ``first`` on.
-
-    A sequence starts with a power of two of points and goes on by doubling: balance holds for powers of two
-    only.
-    """
-
-    first: int
-    count: int
-
-    @classmethod
-    def of(cls, log2_count: int, doubling: int = 0) -> Stretch:
-        """Take the 2**log2_count points that a sequence starts with, or those of its k-th doubling."""
-        if doubling == 0:
-            return cls(0, 2**log2_count)
-        return cls(2 ** (log2_count + doubling - 1), 2 ** (log2_count + doubling - 1))
-
-    def parts(self, most: int) -> Iterator[Stretch]:
-        """Cut into pieces of at most ``most`` points, the same whatever the machine."""
-        for first in range(self.first, self.first + self.count, most):
-            yield Stretch(first, min(most, self.first + self.count - first))
-
-
-@lru_cache(maxsize=256)
-def sobol(dimensions: int, stretch: Stretch, *, seed: tuple[int, ...]) -> FloatArray:
-    """Scrambled Sobol points, every one of them (dropping the first breaks the balance; Owen 2020).
-
-    Returns
-    -------
-    (stretch.count, dimensions) float in [0, 1); shared between callers, not to be written to
-    """
-    from scipy.stats import qmc
-
-    engine = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed))
-    if stretch.first:
-        engine.fast_forward(stretch.first)
-    return np.asarray(engine.random(stretch.count))
 
 
 @njit(**_COMPILED)
