@@ -13,7 +13,6 @@ from verdicts import follows
 
 from lelight.tracing import sampling
 from lelight.tracing.reflection import lobe_density
-from lelight.tracing.sobol import Stretch
 
 SAMPLES = 20_000
 RINGS, SECTORS = 12, 8

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from time import perf_counter
@@ -20,11 +21,14 @@ from lelight.estimate.variants import Variant
 from lelight.estimate.workingset import receivers_at_once
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import FloatArray, IntArray
-from lelight.tracing.chains import ChainVertices
+from lelight.tracing.chains import ChainVertices, hash_of
 from lelight.tracing.world import World
 
 #: What tells the random numbers of a batch's parts from each other.
 CHAINS, DIRECT, NEAR, DISC, LOBES = 1, 2, 3, 4, 5
+#: Share of the vertices that a receiver asks. About half of them face it; asking a twelfth instead takes a quarter of
+#: the time and adds a tenth to the variance (office and corridor, 180 vertices).
+ASKED_SHARE = 1.0 / 12.0
 
 
 @dataclass(frozen=True)
@@ -199,11 +203,12 @@ def chain_light(
     bound: float,
     seed: tuple[int, ...],
 ) -> LocalEstimate:
-    """Light that chains give receivers: by the bounded or the raw kernel, at them or around them."""
+    """Light that chains give receivers: by the bounded kernel, thinned out, or by the raw one, or around them."""
     bound = variant.chain_bound(bound)
     if variant.averaged:
         return averaged_estimate(world, receivers, vertices=vertices, seed=seed)
-    return local_estimate(world, receivers, vertices=vertices, bound=bound)
+    asked = ASKED_SHARE * len(vertices) if variant.bounded else math.inf
+    return local_estimate(world, receivers, vertices=vertices, bound=bound, asked=asked, key=hash_of(seed))
 
 
 def _direct(

@@ -40,6 +40,9 @@ LOG2_ENDS = 8
 #: A shadow ray of the pair kernel is coherent with its neighbours and has little beside it; others cost about so many
 #: times more, with all that is done for them (office: 0.11 and 0.75 µs, 0.6 for direct light).
 INCOHERENT_COST = 5.0
+#: What a vertex costs at a receiver without a ray, in such rays; and what the start of a chain costs that carries what
+#: a base lacks, for all receivers together (225 µs).
+PAIR_COST, START_COST = 0.05, 2000.0
 #: Most that a receiver's samples are doubled, and halved.
 MOST_DOUBLINGS, MOST_HALVINGS = 3, 1
 #: How much the variance found at one receiver in a few trials is drawn toward that of all: rare bright paths
@@ -115,7 +118,7 @@ def choose_effort(
     receivers : the same, each with its own share of the samples
     """
     variant = variant or VARIANTS["base" if base is not None else "emitters"]
-    trials = _Trials(world, base, variant, seed, executor, keep or Keeper())
+    trials = _Trials(world, base, variant, seed, executor, keep or Keeper(), len(receivers))
 
     def choose() -> _Chosen:
         return _chosen(trials, receivers, areas, target, most_rays, batches)
@@ -145,7 +148,7 @@ class _Chosen:
 
 @dataclass(frozen=True)
 class _Trials:
-    """What small batches are tried on, and by whom."""
+    """What small batches are tried on, and by whom, for a run with so many receivers."""
 
     world: World
     base: BaseField | None
@@ -153,6 +156,7 @@ class _Trials:
     seed: int
     executor: Executor
     keep: Keeper
+    receivers: int
 
     @cached_property
     def ends(self) -> PathEnds | None:
@@ -303,7 +307,8 @@ def _spread(trials: _Trials, name: str, receivers: Receivers, bound: float, area
             )
             for part, moments in enumerate((of_chains.moments, direct, near.moments)):
                 found[k, part] = luminance_weighted(moments[:, ILLUMINANCE])
-            spent += np.array([of_chains.rays, INCOHERENT_COST * direct_rays, INCOHERENT_COST * near.rays])
+            of_pairs = of_chains.rays + PAIR_COST * len(vertices) * len(own)
+            spent += np.array([of_pairs, INCOHERENT_COST * direct_rays, INCOHERENT_COST * near.rays])
         return _Tried(found, spent)
 
     blocks = list(blocks_of(receivers.degrees))
@@ -315,4 +320,6 @@ def _spread(trials: _Trials, name: str, receivers: Receivers, bound: float, area
     mean = light.sum(axis=1).mean(axis=0)
     floor = np.maximum(mean, DARK_SHARE * np.average(mean, weights=areas))
     relative = light.var(axis=0, ddof=1) / np.maximum(floor, np.finfo(float).tiny) ** 2
-    return Spread(relative * samples[:, None], rays / (TRIALS * len(receivers) * samples))
+    cost = rays / (TRIALS * len(receivers) * samples)
+    cost[0] += START_COST / trials.receivers if base is not None else 0.0
+    return Spread(relative * samples[:, None], cost)

@@ -14,6 +14,7 @@ import numpy as np
 from numba import njit
 
 from lelight.estimate.moments import add_arrival
+from lelight.estimate.thinning import Thinning
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
@@ -26,6 +27,10 @@ _COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Vertices handled at once for one block of receivers; bounds memory, does not change results.
 VERTEX_CHUNK = 256
+#: Least cosine at a receiver that the chance of a pair goes by.
+LEAST_COSINE = 0.2
+#: Key of draws where nothing is drawn.
+NO_KEY = np.uint64(0)
 
 
 @dataclass(frozen=True)
@@ -61,16 +66,30 @@ class LocalEstimate:
 
 
 def local_estimate(
-    world: World, receivers: Receivers, *, vertices: ChainVertices, bound: float
+    world: World,
+    receivers: Receivers,
+    *,
+    vertices: ChainVertices,
+    bound: float,
+    asked: float = math.inf,
+    key: np.uint64 = NO_KEY,
 ) -> LocalEstimate:
-    """Let all vertices light all receivers through shadow rays, the kernel bounded by ``bound`` (1/m²)."""
+    """Let vertices light receivers through shadow rays.
+
+    Parameters
+    ----------
+    bound : float, 1/m², b of the kernel
+    asked : float, about so many vertices a receiver asks; all by default
+    key : which those are depends on
+    """
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
     kept: list[Arrivals] = []
     rays = 0
     angular = bool(np.any(receivers.degrees > 0))
+    thinning = Thinning.of(world, receivers, vertices, bound=bound, asked=asked, key=key)
     for first in range(0, len(vertices), VERTEX_CHUNK):
         chunk = slice(first, first + VERTEX_CHUNK)
-        pairs = _pairs(world, receivers, vertices, chunk, bound)
+        pairs = _pairs(world, receivers, vertices, chunk, bound, thinning)
         rays += len(pairs.vertex)
         clear = np.flatnonzero(world.caster.unblocked(pairs.origins, pairs.segments))
         _gather(moments, receivers, vertices, pairs, clear, world)
@@ -89,7 +108,14 @@ class _Pairs:
     segments: Float32Array
 
 
-def _pairs(world: World, receivers: Receivers, vertices: ChainVertices, chunk: slice, bound: float) -> _Pairs:
+def _pairs(
+    world: World,
+    receivers: Receivers,
+    vertices: ChainVertices,
+    chunk: slice,
+    bound: float,
+    thinning: Thinning,
+) -> _Pairs:
     number = np.arange(len(vertices))[chunk]
     room = len(number) * len(receivers)
     pairs = _Pairs(
@@ -116,6 +142,9 @@ def _pairs(world: World, receivers: Receivers, vertices: ChainVertices, chunk: s
         caster.centre,
         caster.scale,
         caster.offset,
+        thinning.flux,
+        thinning.threshold,
+        thinning.passed,
         pairs.vertex,
         pairs.receiver,
         pairs.diffuse,
@@ -149,6 +178,9 @@ def _list_pairs(
     centre: FloatArray,
     scale: float,
     offset: float,
+    flux: FloatArray,
+    threshold: FloatArray,
+    passed: FloatArray,
     out_vertex: IntArray,
     out_receiver: IntArray,
     out_diffuse: FloatArray,
@@ -156,7 +188,10 @@ def _list_pairs(
     out_origins: Float32Array,
     out_segments: Float32Array,
 ) -> int:
-    """Write the pairs that can exchange light, with their kernel and their ray in embree's coordinates."""
+    """Write the pairs that can exchange light, with their kernel and their ray in embree's coordinates.
+
+    Weak ones are thinned out, see `Thinning`; the kernel of those that are kept is raised for it.
+    """
     count = 0
     for i in number:
         m = materials[i]
@@ -167,13 +202,8 @@ def _list_pairs(
         px, py, pz = points[i]
         nx, ny, nz = normals[i]
         n = reflectances.exponent[m]
-        if ks > 0.0:
-            mx, my, mz = mirrored(incoming[i, 0], incoming[i, 1], incoming[i, 2], nx, ny, nz)
-        else:
-            mx, my, mz = 0.0, 0.0, 0.0
-        ox = (px + offset * nx - centre[0]) * scale
-        oy = (py + offset * ny - centre[1]) * scale
-        oz = (pz + offset * nz - centre[2]) * scale
+        mx, my, mz = mirrored(incoming[i, 0], incoming[i, 1], incoming[i, 2], nx, ny, nz)
+        start = (points[i] + offset * normals[i] - centre) * scale
         for r in range(len(at)):
             dx, dy, dz = at[r, 0] - px, at[r, 1] - py, at[r, 2] - pz
             cos_vertex = dx * nx + dy * ny + dz * nz
@@ -196,17 +226,33 @@ def _list_pairs(
                 specular = min(math.pi * lobe(n, cos_alpha) * kernel, bound)
                 if kd <= 0.0 and specular <= 0.0:
                     continue
+            diffuse = min(kernel, bound) if kd > 0.0 else 0.0
+            chance = _chance(flux[i] * (kd * diffuse + ks * specular), cos_receiver, threshold[r])
+            if chance < 1.0:
+                passed[r] += chance
+                if passed[r] < 1.0:
+                    continue
+                passed[r] -= 1.0
             out_vertex[count] = i
             out_receiver[count] = r
-            diffuse = min(kernel, bound) if kd > 0.0 else 0.0
-            out_diffuse[count] = diffuse / (math.pi * cos_receiver)
-            out_specular[count] = specular / (math.pi * cos_receiver)
-            out_origins[count, 0], out_origins[count, 1], out_origins[count, 2] = ox, oy, oz
-            out_segments[count, 0] = (at[r, 0] + offset * at_normals[r, 0] - centre[0]) * scale - ox
-            out_segments[count, 1] = (at[r, 1] + offset * at_normals[r, 1] - centre[1]) * scale - oy
-            out_segments[count, 2] = (at[r, 2] + offset * at_normals[r, 2] - centre[2]) * scale - oz
+            out_diffuse[count] = diffuse / (math.pi * cos_receiver * chance)
+            out_specular[count] = specular / (math.pi * cos_receiver * chance)
+            for axis in range(3):
+                out_origins[count, axis] = start[axis]
+                end = (at[r, axis] + offset * at_normals[r, axis] - centre[axis]) * scale
+                out_segments[count, axis] = end - start[axis]
             count += 1
     return count
+
+
+@njit(**_COMPILED)
+def _chance(light: float, cos_receiver: float, threshold: float) -> float:
+    """Chance that a pair is kept whose light, times pi, is given; see `Thinning`.
+
+    Grazing light counts for more than its illuminance: for the light vector, and where gloss reflects it.
+    """
+    raised = light * max(cos_receiver, LEAST_COSINE) / cos_receiver
+    return min(1.0, raised / (math.pi * threshold)) if threshold > 0.0 else 1.0
 
 
 def _gather(

@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.world import World
+
+_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
 @dataclass(frozen=True)
@@ -67,19 +70,78 @@ def chosen_paths(paths: Paths, kept: IntArray) -> Paths:
     if len(kept) == len(paths.number):
         return paths
     return Paths(
-        paths.number[kept],
-        paths.points[kept],
-        paths.normals[kept],
-        paths.outgoing[kept],
-        paths.materials[kept],
-        paths.triangles[kept],
-        paths.throughput[kept],
-        paths.geometry[kept],
+        *_chosen(
+            paths.number,
+            paths.points,
+            paths.normals,
+            paths.outgoing,
+            paths.materials,
+            paths.triangles,
+            paths.throughput,
+            paths.geometry,
+            kept,
+        )
+    )
+
+
+@njit(**_COMPILED)
+def _chosen(
+    number: IntArray,
+    points: FloatArray,
+    normals: FloatArray,
+    outgoing: FloatArray,
+    materials: IntArray,
+    triangles: IntArray,
+    throughput: FloatArray,
+    geometry: FloatArray,
+    kept: IntArray,
+) -> tuple[IntArray, FloatArray, FloatArray, FloatArray, IntArray, IntArray, FloatArray, FloatArray]:
+    """Copy the rows of paths that are kept; one call, since paths are thinned out at every surface."""
+    count, channels = len(kept), throughput.shape[1]
+    out_number, out_geometry = np.empty(count, dtype=np.int64), np.empty(count)
+    out_materials, out_triangles = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    out_points, out_normals, out_outgoing = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3))
+    out_throughput = np.empty((count, channels))
+    for k in range(count):
+        own = kept[k]
+        out_number[k], out_geometry[k] = number[own], geometry[own]
+        out_materials[k], out_triangles[k] = materials[own], triangles[own]
+        for axis in range(3):
+            out_points[k, axis] = points[own, axis]
+            out_normals[k, axis] = normals[own, axis]
+            out_outgoing[k, axis] = outgoing[own, axis]
+        for c in range(channels):
+            out_throughput[k, c] = throughput[own, c]
+    return (
+        out_number,
+        out_points,
+        out_normals,
+        out_outgoing,
+        out_materials,
+        out_triangles,
+        out_throughput,
+        out_geometry,
     )
 
 
 def kernel_between(points: FloatArray, cosines: FloatArray, met: Paths) -> FloatArray:
     """G = cos cos' / r² (k,) in 1/m² between points (k, 3), cosines (k,) at them, and the surfaces met from there."""
-    square = np.sum((met.points - points) ** 2, axis=1)
-    cos_surface = np.einsum("kx,kx->k", met.outgoing, met.normals)
-    return np.asarray(cos_surface * cosines / np.maximum(square, 1e-300))
+    return np.asarray(_kernel(points, cosines, met.points, met.normals, met.outgoing))
+
+
+@njit(**_COMPILED)
+def _kernel(
+    points: FloatArray,
+    cosines: FloatArray,
+    met_points: FloatArray,
+    met_normals: FloatArray,
+    outgoing: FloatArray,
+) -> FloatArray:
+    kernel = np.empty(len(points))
+    for k in range(len(points)):
+        square, cos_surface = 0.0, 0.0
+        for axis in range(3):
+            square += (met_points[k, axis] - points[k, axis]) ** 2
+            cos_surface += outgoing[k, axis] * met_normals[k, axis]
+        kernel[k] = cos_surface * cosines[k] / max(square, 1e-300)
+    return kernel

@@ -119,7 +119,7 @@ def interpolate(values: FloatArray, nodes: IntArray, weights: FloatArray) -> Flo
     if not len(values):
         return np.zeros((len(nodes), *values.shape[1:]))
     table = np.ascontiguousarray(values, dtype=np.float64).reshape(len(values), -1)
-    return _mixed(table, nodes, weights).reshape(len(nodes), *values.shape[1:])
+    return np.asarray(_mixed(table, nodes, weights).reshape(len(nodes), *values.shape[1:]))
 
 
 @njit(**_COMPILED)

@@ -85,7 +85,9 @@ class TriangleGrid:
         found = np.full(len(points), -1, dtype=np.int64)
         weights = np.zeros((len(points), 3))
         points = np.ascontiguousarray(points, dtype=np.float64)
-        _search(points, self._centre, np.asarray(groups, dtype=np.int64), self._grids, found, weights)
+        groups = np.asarray(groups, dtype=np.int64)
+        _find_on_own_cell(points, self._centre, groups, self._grids, found, weights)
+        _search(points, self._centre, groups, self._grids, found, weights)
         return found, weights
 
 
@@ -181,6 +183,40 @@ def _visit_cells(grids: Grids, groups: IntArray, cursor: IntArray, members: IntA
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
+def _find_on_own_cell(
+    points: FloatArray,
+    centre: FloatArray,
+    groups: IntArray,
+    grids: Grids,
+    found: IntArray,
+    weights: FloatArray,
+) -> None:
+    """Find the points that lie on a triangle of their own cell."""
+    axes, lows, steps, shapes = grids.axes, grids.lows, grids.steps, grids.shapes
+    first_cells, starts, members, linear = grids.first_cells, grids.starts, grids.members, grids.linear
+    for k in range(len(points)):
+        group = groups[k]
+        if group < 0 or group >= len(shapes) or shapes[group, 0] == 0:
+            continue
+        x, y, z = points[k, 0] - centre[0], points[k, 1] - centre[1], points[k, 2] - centre[2]
+        first, second = axes[group, 0], axes[group, 1]
+        u, v = points[k, first] - centre[first], points[k, second] - centre[second]
+        column = _cell(u - lows[group, 0], steps[group], shapes[group, 0])
+        row = _cell(v - lows[group, 1], steps[group], shapes[group, 1])
+        cell = first_cells[group] + column * shapes[group, 1] + row
+        for place in range(starts[cell], starts[cell + 1]):
+            t = members[place]
+            wb = linear[t, 0] * u + linear[t, 1] * v + linear[t, 2]
+            wc = linear[t, 3] * u + linear[t, 4] * v + linear[t, 5]
+            if wb >= 0.0 and wc >= 0.0 and wb + wc <= 1.0:
+                height = linear[t, 6] * x + linear[t, 7] * y + linear[t, 8] * z + linear[t, 9]
+                if abs(height) <= ON_SURFACE * steps[group]:
+                    found[k] = t
+                    weights[k, 0], weights[k, 1], weights[k, 2] = 1.0 - wb - wc, wb, wc
+                    break
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
 def _search(
     points: FloatArray,
     centre: FloatArray,
@@ -189,13 +225,13 @@ def _search(
     found: IntArray,
     weights: FloatArray,
 ) -> None:
-    """Look in each point's own cell, then in rings of cells around it until the next ring is too far away."""
-    corners, linear = grids.corners, grids.linear
+    """Search rings of cells around each point not found yet, nearest first, until the next ring is too far away."""
+    corners = grids.corners
     axes, lows, steps, shapes = grids.axes, grids.lows, grids.steps, grids.shapes
     first_cells, starts, members = grids.first_cells, grids.starts, grids.members
     for k in range(len(points)):
         group = groups[k]
-        if group < 0 or group >= len(shapes) or shapes[group, 0] == 0:
+        if found[k] >= 0 or group < 0 or group >= len(shapes) or shapes[group, 0] == 0:
             continue
         step, columns, rows = steps[group], shapes[group, 0], shapes[group, 1]
         x, y, z = points[k, 0] - centre[0], points[k, 1] - centre[1], points[k, 2] - centre[2]
@@ -204,20 +240,6 @@ def _search(
         u, v = p - lows[group, 0], q - lows[group, 1]
         column, row = _cell(u, step, columns), _cell(v, step, rows)
         least = np.inf
-        cell = first_cells[group] + column * rows + row
-        for place in range(starts[cell], starts[cell + 1]):
-            t = members[place]
-            wb = linear[t, 0] * p + linear[t, 1] * q + linear[t, 2]
-            wc = linear[t, 3] * p + linear[t, 4] * q + linear[t, 5]
-            if wb >= 0.0 and wc >= 0.0 and wb + wc <= 1.0:
-                height = linear[t, 6] * x + linear[t, 7] * y + linear[t, 8] * z + linear[t, 9]
-                if abs(height) <= ON_SURFACE * step:
-                    least = 0.0
-                    found[k] = t
-                    weights[k, 0], weights[k, 1], weights[k, 2] = 1.0 - wb - wc, wb, wc
-                    break
-        if least == 0.0:
-            continue
         for ring in range(max(columns, rows)):
             for i in range(max(column - ring, 0), min(column + ring, columns - 1) + 1):
                 whole = ring == 0 or i == column - ring or i == column + ring

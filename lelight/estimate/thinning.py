@@ -1,0 +1,114 @@
+"""Which chain vertices a receiver asks: weak ones by Russian roulette, before any ray is traced.
+
+A pair that would give a receiver less than a threshold if nothing were in between is kept with a probability in
+proportion to what it would give, and counts as much more. Shares are added up along the vertices and a pair is kept
+whenever the sum passes a whole number (systematic sampling), so every receiver asks nearly the number it is meant to.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from lelight.channels import luminance_weighted
+from lelight.estimate.pathends import reflected_flux
+from lelight.receivers import Receivers
+from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.tracing.chains import ChainVertices
+from lelight.tracing.sampling import uniform
+from lelight.tracing.world import World
+
+_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
+
+#: Vertices that tell what a receiver would get of all in the open.
+SKETCHED = 64
+
+
+@dataclass(frozen=True)
+class Thinning:
+    """How the pairs of some receivers and vertices are thinned out.
+
+    Attributes
+    ----------
+    flux : (v,) float, lm of each vertex, whatever its sign
+    threshold : (r,) float, illuminance in lx below which a receiver's pairs are thinned out, 0 for none
+    passed : (r,) float in [0, 1), sum of shares since a pair was kept; changed while vertices are gone through
+    """
+
+    flux: FloatArray
+    threshold: FloatArray
+    passed: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        world: World,
+        receivers: Receivers,
+        vertices: ChainVertices,
+        *,
+        bound: float,
+        asked: float,
+        key: np.uint64,
+    ) -> Thinning:
+        """Let receivers ask about so many vertices.
+
+        The threshold is the geometric mean of what a receiver would get in the open and what it would get were all
+        light spread over all surfaces, over the number asked: dark places ask fewer, but not too few.
+        """
+        flux = luminance_weighted(np.abs(vertices.flux))
+        threshold, passed = np.zeros(len(receivers)), np.zeros(len(receivers))
+        if asked < len(vertices):
+            stride = max(1, len(vertices) // SKETCHED)
+            _add_unshadowed(
+                np.arange(0, len(vertices), stride),
+                vertices.points,
+                vertices.normals,
+                reflected_flux(world, vertices),
+                receivers.points,
+                receivers.normals,
+                receivers.on_surface,
+                bound,
+                threshold,
+            )
+            spread = float(reflected_flux(world, vertices).sum()) / world.area
+            threshold = np.sqrt(threshold * stride * spread) / asked
+            _fill_first(key, receivers.identity, passed)
+        return cls(flux, threshold, passed)
+
+
+@njit(**_COMPILED)
+def _add_unshadowed(
+    number: IntArray,
+    points: FloatArray,
+    normals: FloatArray,
+    reflected: FloatArray,
+    at: FloatArray,
+    at_normals: FloatArray,
+    on_surface: BoolArray,
+    bound: float,
+    illuminance: FloatArray,
+) -> None:
+    """Add the illuminance (r,) in lx that vertices would give with nothing in between, all their lobes Lambertian."""
+    for i in number:
+        px, py, pz = points[i]
+        nx, ny, nz = normals[i]
+        for r in range(len(at)):
+            dx, dy, dz = at[r, 0] - px, at[r, 1] - py, at[r, 2] - pz
+            square = dx * dx + dy * dy + dz * dz
+            cos_vertex = (dx * nx + dy * ny + dz * nz) / math.sqrt(square)
+            cos_receiver = 1.0
+            if on_surface[r]:
+                along = dx * at_normals[r, 0] + dy * at_normals[r, 1] + dz * at_normals[r, 2]
+                cos_receiver = -along / math.sqrt(square)
+            if cos_vertex > 0.0 and cos_receiver > 0.0:
+                illuminance[r] += reflected[i] / math.pi * min(cos_vertex * cos_receiver / square, bound)
+
+
+@njit(**_COMPILED)
+def _fill_first(key: np.uint64, identity: IntArray, passed: FloatArray) -> None:
+    """Write the sum of shares that each receiver begins with."""
+    for r in range(len(identity)):
+        passed[r] = uniform(key, np.uint64(identity[r]))
