@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED
 from lelight.estimate.paths import NUMBERS, rotated_numbers, step
 from lelight.estimate.pathstate import Paths
 from lelight.scene import BoolArray, FloatArray, IntArray
@@ -95,7 +96,7 @@ def sees_images(
     return seen
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def _find_images(
     emitters: Emitters,
     reflectances: Reflectances,

@@ -16,7 +16,6 @@ from lelight.luminaires import have_direction
 from lelight.metrics.table import to_csv
 from lelight.pipelines.eyes import Sight
 from lelight.scene import FloatArray
-from lelight.writing.falsecolour import decade_limits, write_falsecolour
 from lelight.writing.files import make_folder, safe_names, whole, write_text
 from lelight.writing.incidentfile import write_incident
 from lelight.writing.layout import write_layout
@@ -120,6 +119,9 @@ def write_pictures(
     folder = make_folder(out / "observers")
     if not pictures:
         return
+    # Matplotlib takes a quarter of a second, and is here while the overview is drawn by another process.
+    from lelight.writing.falsecolour import decade_limits, write_falsecolour
+
     limits = decade_limits(np.concatenate([seen[np.isfinite(seen)] for _, seen, _ in pictures]))
     for name, luminance, view in pictures:
         stem = stems[name]

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from lelight.channels import luminance_weighted
+from lelight.compilation import COMPILED
 from lelight.estimate.arriving import arriving
 from lelight.estimate.lobes import stored_lobe
 from lelight.estimate.local import Arrivals
@@ -87,7 +88,7 @@ class GridDetail:
         return np.asarray(kept.reshape(shape) * specular[:, None, None, :])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+@njit(**COMPILED, fastmath={"reassoc", "contract", "nsz"})
 def _reflect_to_grid(
     kept: FloatArray,
     offsets: IntArray,
@@ -113,7 +114,7 @@ def _reflect_to_grid(
                     kept[r, d, c] += light * lobe[d]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def _raise(lobe: FloatArray, exponent: float) -> None:
     """Raise numbers (d,) to a power, whole ones by squaring."""
     whole = int(exponent)

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from lelight.channels import luminance_weighted
+from lelight.compilation import COMPILED
 from lelight.estimate.arriving import arriving
 from lelight.estimate.lobes import stored_lobe
 from lelight.estimate.local import Arrivals
@@ -172,7 +173,7 @@ def harmonic_truncation(
     return errors
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def _reflect_once(
     key: np.uint64,
     offsets: IntArray,

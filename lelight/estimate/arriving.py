@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED
 from lelight.estimate.local import Arrivals
 from lelight.receivers import Receivers
 from lelight.scene import FloatArray, IntArray
@@ -56,7 +57,7 @@ def arriving(receivers: Receivers, arrivals: tuple[Arrivals, ...]) -> ArrivingLi
     return light
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def _place(
     receiver: IntArray,
     directions: FloatArray,

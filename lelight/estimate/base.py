@@ -19,6 +19,7 @@ from scipy.sparse import csr_array
 from lelight.channels import luminance_weighted
 from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import form_of
+from lelight.compilation import LEAF
 from lelight.estimate.cells import Cells
 from lelight.estimate.direct import direct_light
 from lelight.estimate.gmres import gmres
@@ -84,7 +85,7 @@ class BaseField:
         return light
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**LEAF)
 def _reflect(light: FloatArray, diffuse: FloatArray, materials: IntArray, triangles: IntArray) -> None:
     """Make luminance of illuminance (k, C), in place."""
     for k in range(len(light)):

@@ -29,6 +29,8 @@ CHAINS, DIRECT, NEAR, DISC, LOBES = 1, 2, 3, 4, 5
 #: Share of the vertices that a receiver asks. About half of them face it; asking a twelfth instead takes a quarter of
 #: the time and adds a tenth to the variance (office and corridor, 180 vertices).
 ASKED_SHARE = 1.0 / 12.0
+#: Few enough vertices are all asked.
+LEAST_ASKED = 12.0
 
 
 @dataclass(frozen=True)
@@ -207,7 +209,7 @@ def chain_light(
     bound = variant.chain_bound(bound)
     if variant.averaged:
         return averaged_estimate(world, receivers, vertices=vertices, seed=seed)
-    asked = ASKED_SHARE * len(vertices) if variant.bounded else math.inf
+    asked = max(LEAST_ASKED, ASKED_SHARE * len(vertices)) if variant.bounded else math.inf
     return local_estimate(world, receivers, vertices=vertices, bound=bound, asked=asked, key=hash_of(seed))
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED
 from lelight.scene import FloatArray, IntArray, triangle_areas
 
 #: Most segments to an edge: keeps the root of a cell's number exact, and a floor of a kilometre in bounds.
@@ -128,7 +129,7 @@ def _position(number: IntArray, segments: IntArray) -> tuple[IntArray, IntArray,
     return row, within // 2, within % 2
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def _find(
     corners: FloatArray,
     triangle: IntArray,

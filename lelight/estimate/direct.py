@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
 from lelight.receivers import ILLUMINANCE, MOMENTS, Receivers
@@ -33,8 +34,6 @@ from lelight.tracing.sampling import mix, rotated, uniform
 from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.triangles import triangle_density
 from lelight.tracing.world import World
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Shadow rays that tell beforehand how much of the emitters a receiver sees, as power of two.
 LOG2_PREVIEW = 5
@@ -98,7 +97,7 @@ def illuminance_and_density(
     return illuminance, density
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _weigh_sources(
     emitters: Emitters,
     sources: IntArray,
@@ -185,7 +184,7 @@ def _clear_share(world: World, receivers: Receivers, log2_samples: int, seed: tu
     return np.divide(seen, total, out=np.zeros(count), where=total > 0)
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def closed_forms(emitters: Emitters, points: FloatArray, normals: FloatArray) -> BoolArray:
     """Say at which places (r,) the closed form holds."""
     exact = np.empty(len(points), dtype=np.bool_)
@@ -248,14 +247,14 @@ def _correct(moments: FloatArray, receivers: Receivers, drawn: _Drawn, light: Fl
     moments[:, ILLUMINANCE] += receivers.clear_share[:, None] * (drawn.unshadowed - sampled)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _add_rows(total: FloatArray, owner: IntArray, rows: FloatArray) -> None:
     for k in range(len(owner)):
         for c in range(rows.shape[1]):
             total[owner[k], c] += rows[k, c]
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _draw_rays(
     emitters: Emitters,
     points: FloatArray,

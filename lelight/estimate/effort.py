@@ -29,6 +29,7 @@ from lelight.estimate.variants import VARIANTS, Variant
 from lelight.mesh.neighbours import alike, half_pooled, most_alike
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import FloatArray, IntArray
+from lelight.tracing.chains import ChainVertices
 from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
 
@@ -159,6 +160,20 @@ class _Trials:
     receivers: int
 
     @cached_property
+    def chains(self) -> list[ChainVertices]:
+        """Chains of each trial, the same for all bounds."""
+        return [
+            chain_vertices(
+                self.world,
+                self.base,
+                Stretch.of(TRIAL[0]),
+                self.variant,
+                seed=(self.seed, TRIAL_SEED + k, CHAINS),
+            )
+            for k in range(TRIALS)
+        ]
+
+    @cached_property
     def ends(self) -> PathEnds | None:
         """What near paths end on: more chains than are tried, lest their noise be taken for that of the paths."""
         if self.base is None:
@@ -278,10 +293,7 @@ class _Tried:
 def _spread(trials: _Trials, name: str, receivers: Receivers, bound: float, areas: FloatArray) -> Spread:
     """Try a few small batches at all receivers."""
     world, base, variant, seed = trials.world, trials.base, trials.variant, trials.seed
-    chains = [
-        chain_vertices(world, base, Stretch.of(TRIAL[0]), variant, seed=(seed, TRIAL_SEED + k, CHAINS))
-        for k in range(TRIALS)
-    ]
+    chains = trials.chains
     light = np.zeros((TRIALS, len(TRIAL), len(receivers)))
     rays = np.zeros(len(TRIAL))
 

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from lelight.compilation import LEAF
 from lelight.mesh.neighbours import Alike, alike
 from lelight.scene import BoolArray, FloatArray, IntArray
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Cells across the number that gives the elevation, and across that of the azimuth.
 RINGS, SECTORS = 8, 8
@@ -109,7 +108,7 @@ def cells_of(numbers: FloatArray) -> IntArray:
     return np.asarray(ring * SECTORS + sector)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def guided(density: FloatArray, row: int, u: float, v: float) -> tuple[float, float, float]:
     """Warp two uniform numbers to the densities of a row: the two, and the density there; no row changes nothing."""
     if row < 0:

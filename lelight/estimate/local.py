@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from lelight.compilation import LEAF
 from lelight.estimate.moments import add_arrival
 from lelight.estimate.thinning import Thinning
 from lelight.receivers import MOMENTS, Receivers
@@ -20,10 +21,8 @@ from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
 from lelight.tracing.rays import Float32Array
 from lelight.tracing.reflection import Reflectances, lobe
-from lelight.tracing.sampling import mirrored
+from lelight.tracing.sampling import Vector, mirrored
 from lelight.tracing.world import World
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Vertices handled at once for one block of receivers; bounds memory, does not change results.
 VERTEX_CHUNK = 256
@@ -162,7 +161,7 @@ def _pairs(
     )
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _list_pairs(
     number: IntArray,
     points: FloatArray,
@@ -203,7 +202,7 @@ def _list_pairs(
         nx, ny, nz = normals[i]
         n = reflectances.exponent[m]
         mx, my, mz = mirrored(incoming[i, 0], incoming[i, 1], incoming[i, 2], nx, ny, nz)
-        start = (points[i] + offset * normals[i] - centre) * scale
+        ox, oy, oz = _scaled(px, py, pz, nx, ny, nz, offset, centre, scale)
         for r in range(len(at)):
             dx, dy, dz = at[r, 0] - px, at[r, 1] - py, at[r, 2] - pz
             cos_vertex = dx * nx + dy * ny + dz * nz
@@ -237,15 +236,44 @@ def _list_pairs(
             out_receiver[count] = r
             out_diffuse[count] = diffuse / (math.pi * cos_receiver * chance)
             out_specular[count] = specular / (math.pi * cos_receiver * chance)
-            for axis in range(3):
-                out_origins[count, axis] = start[axis]
-                end = (at[r, axis] + offset * at_normals[r, axis] - centre[axis]) * scale
-                out_segments[count, axis] = end - start[axis]
+            ex, ey, ez = _scaled(
+                at[r, 0],
+                at[r, 1],
+                at[r, 2],
+                at_normals[r, 0],
+                at_normals[r, 1],
+                at_normals[r, 2],
+                offset,
+                centre,
+                scale,
+            )
+            out_origins[count, 0], out_origins[count, 1], out_origins[count, 2] = ox, oy, oz
+            out_segments[count, 0], out_segments[count, 1], out_segments[count, 2] = ex - ox, ey - oy, ez - oz
             count += 1
     return count
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
+def _scaled(
+    x: float,
+    y: float,
+    z: float,
+    nx: float,
+    ny: float,
+    nz: float,
+    offset: float,
+    centre: FloatArray,
+    scale: float,
+) -> Vector:
+    """Put a surface point, moved off its surface, in embree's coordinates."""
+    return (
+        (x + offset * nx - centre[0]) * scale,
+        (y + offset * ny - centre[1]) * scale,
+        (z + offset * nz - centre[2]) * scale,
+    )
+
+
+@njit(**LEAF)
 def _chance(light: float, cos_receiver: float, threshold: float) -> float:
     """Chance that a pair is kept whose light, times pi, is given; see `Thinning`.
 
@@ -279,7 +307,7 @@ def _gather(
     )
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _add_pairs(
     moments: FloatArray,
     clear: IntArray,
@@ -332,7 +360,7 @@ def _arrivals(
     return found
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _list_arrivals(
     wanted: IntArray,
     vertex: IntArray,

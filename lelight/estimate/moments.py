@@ -11,13 +11,12 @@ import math
 
 from numba import njit
 
+from lelight.compilation import LEAF
 from lelight.receivers import CYLINDRICAL, ILLUMINANCE, SCALAR, VECTOR
 from lelight.scene import FloatArray, IntArray
 
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
-
-@njit(**_COMPILED)
+@njit(**LEAF)
 def add_arrival(
     moments: FloatArray,
     channel: int,
@@ -44,7 +43,7 @@ def add_arrival(
     moments[CYLINDRICAL, channel] += radiance_solid_angle * math.sqrt(max(0.0, 1.0 - wz * wz)) / math.pi
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def add_arrivals(
     moments: FloatArray,
     receiver: IntArray,

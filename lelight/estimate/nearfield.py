@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
+from lelight.compilation import LEAF
 from lelight.estimate.guide import Guide, guided, unguided
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
@@ -28,8 +29,6 @@ from lelight.tracing.chains import hash_of
 from lelight.tracing.sampling import cosine_direction, sphere_direction, to_axis
 from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.world import World
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: More than any receiver samples in a run: numbers its paths apart from those of all others.
 MOST_SAMPLES = 2**32
@@ -164,7 +163,7 @@ def _directions(
     return directions, solid_angles
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _draw_directions(
     normals: FloatArray,
     on_surface: BoolArray,

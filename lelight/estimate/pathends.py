@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 
 from lelight.channels import luminance_weighted
+from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.guide import Guide
 from lelight.estimate.pathstate import Paths
 from lelight.estimate.split import above, lobe_shares
@@ -23,8 +24,6 @@ from lelight.tracing.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
 from lelight.tracing.reflection import Reflectances, lobe
 from lelight.tracing.sampling import mirrored
 from lelight.tracing.world import World
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Uniform numbers of one surface of a path: which vertex, whether to ask it, whether to take up what lies above.
 END_NUMBERS = 3
@@ -105,7 +104,7 @@ def bounded_base(world: World, base: SurfaceLuminance, paths: Paths, bound: floa
     return luminance
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _fronts(normals: FloatArray, triangle_normals: FloatArray, triangles: IntArray) -> BoolArray:
     """Say on which surfaces (k,) a normal is that of the triangle's front."""
     front = np.empty(len(triangles), dtype=np.bool_)
@@ -118,7 +117,7 @@ def _fronts(normals: FloatArray, triangle_normals: FloatArray, triangles: IntArr
     return front
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _keep_below(luminance: FloatArray, geometry: FloatArray, bound: float) -> None:
     """Multiply (k, C) by the share of the kernel (k,) below the bound, in place."""
     for k in range(len(geometry)):
@@ -146,7 +145,7 @@ def taken_up(world: World, paths: Paths, bound: float, numbers: FloatArray) -> I
     return np.flatnonzero(kept)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _take_up(
     reflectances: Reflectances,
     materials: IntArray,
@@ -210,7 +209,7 @@ def add_drawn_vertices(
     return len(lit)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _draw_vertices(
     chances: FloatArray,
     points: FloatArray,

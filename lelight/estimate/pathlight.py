@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED
 from lelight.estimate.pathstate import Paths
 from lelight.estimate.split import above, lobe_probability, lobe_shares
 from lelight.scene import FloatArray, IntArray
@@ -28,8 +29,6 @@ from lelight.tracing.lamps import toward_lamp
 from lelight.tracing.reflection import Reflectances, lobe, lobe_density
 from lelight.tracing.sampling import mirrored
 from lelight.tracing.world import World
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Paths for which the choice of sources is laid out at once; bounds memory, does not change results.
 PATHS_AT_ONCE = 256
@@ -65,7 +64,7 @@ def add_drawn_sources(
     return len(lit)
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _draw_sources(
     emitters: Emitters,
     reflectances: Reflectances,
@@ -153,7 +152,7 @@ def add_met_emitters(
     )
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _weigh_met_emitters(
     emitters: Emitters,
     points: FloatArray,

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
+from lelight.compilation import LEAF
 from lelight.estimate.pathends import END_NUMBERS, PathEnds, add_drawn_vertices, bounded_base, taken_up
 from lelight.estimate.pathlight import add_drawn_sources, add_met_emitters
 from lelight.estimate.pathstate import Paths, chosen_paths, kernel_between, meet
@@ -30,8 +31,6 @@ from lelight.tracing.sampling import (
     uniform,
 )
 from lelight.tracing.world import World
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Uniform numbers that one surface of a path uses: source, place (2), lobe, direction (2), roulette.
 NUMBERS = 7
@@ -107,7 +106,7 @@ def hashed_numbers(key: np.uint64, identity: IntArray, depth: int) -> FloatArray
     return numbers
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _fill(key: np.uint64, identity: IntArray, depth: int, out: FloatArray) -> None:
     for k in range(len(identity)):
         own = mix(mix(key, np.uint64(identity[k])), np.uint64(depth))
@@ -115,7 +114,7 @@ def _fill(key: np.uint64, identity: IntArray, depth: int, out: FloatArray) -> No
             out[k, d] = uniform(own, np.uint64(d))
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def rotated_numbers(table: FloatArray, key: np.uint64, identity: IntArray, out: FloatArray) -> None:
     """Write the table (s, d) once a receiver into out (r * s, d), rotated by a hash of its identity."""
     count = len(table)
@@ -156,7 +155,7 @@ def _go_on(
     return origins, directions[kept], throughput[kept], density[kept], kept
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _reflect_back(
     reflectances: Reflectances,
     normals: FloatArray,

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.world import World
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
 @dataclass(frozen=True)
@@ -84,7 +83,7 @@ def chosen_paths(paths: Paths, kept: IntArray) -> Paths:
     )
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _chosen(
     number: IntArray,
     points: FloatArray,
@@ -129,7 +128,7 @@ def kernel_between(points: FloatArray, cosines: FloatArray, met: Paths) -> Float
     return np.asarray(_kernel(points, cosines, met.points, met.normals, met.outgoing))
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _kernel(
     points: FloatArray,
     cosines: FloatArray,

@@ -9,13 +9,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED, LEAF
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.reflection import Reflectances
 
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
-
-@njit(**_COMPILED)
+@njit(**LEAF)
 def above(bound: float, kernel: float) -> float:
     """Share of a kernel that lies above the bound."""
     if bound <= 0.0:
@@ -23,7 +22,7 @@ def above(bound: float, kernel: float) -> float:
     return max(0.0, 1.0 - bound / kernel) if kernel > 0.0 else 0.0
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def lobe_shares(
     reflectances: Reflectances, material: int, bound: float, geometry: float
 ) -> tuple[float, float]:
@@ -32,7 +31,7 @@ def lobe_shares(
     return above(bound, geometry), above(bound, 0.5 * (n + 2.0) * geometry)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def lobe_probability(
     reflectances: Reflectances, material: int, share_diffuse: float, share_specular: float
 ) -> float:
@@ -44,7 +43,7 @@ def lobe_probability(
     return float(diffuse / (diffuse + specular))
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def list_near(
     reflectances: Reflectances, materials: IntArray, geometry: FloatArray, bound: float
 ) -> BoolArray:

@@ -14,14 +14,13 @@ import numpy as np
 from numba import njit
 
 from lelight.channels import luminance_weighted
+from lelight.compilation import LEAF
 from lelight.estimate.pathends import reflected_flux
 from lelight.receivers import Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import ChainVertices
 from lelight.tracing.sampling import uniform
 from lelight.tracing.world import World
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Vertices that tell what a receiver would get of all in the open.
 SKETCHED = 64
@@ -79,7 +78,7 @@ class Thinning:
         return cls(flux, threshold, passed)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _add_unshadowed(
     number: IntArray,
     points: FloatArray,
@@ -107,7 +106,7 @@ def _add_unshadowed(
                 illuminance[r] += reflected[i] / math.pi * min(cos_vertex * cos_receiver / square, bound)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _fill_first(key: np.uint64, identity: IntArray, passed: FloatArray) -> None:
     """Write the sum of shares that each receiver begins with."""
     for r in range(len(identity)):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED
 from lelight.estimate.local import Arrivals
 from lelight.receivers import Receivers
 from lelight.scene import FloatArray, IntArray
@@ -62,7 +63,7 @@ class TowardEye:
         return np.asarray(kept + lambertian[:, None])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def _reflect(
     kept: FloatArray,
     owner: IntArray,

@@ -19,6 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED
 from lelight.harmonics.indices import degree_of, degrees, index, names, orders, terms
 from lelight.scene import FloatArray
 
@@ -59,7 +60,7 @@ SECTORAL = _sectoral()
 AHEAD, BEHIND = _climb()
 
 
-@njit(nogil=True, cache=True)
+@njit(**COMPILED)
 def evaluate_into(degree: int, x: float, y: float, z: float, out: FloatArray) -> None:
     """Write the harmonics of one unit direction into ``out`` ((degree + 1)²,); for use inside other kernels.
 
@@ -76,7 +77,7 @@ def evaluate_into(degree: int, x: float, y: float, z: float, out: FloatArray) ->
         cosine, sine = x * cosine - y * sine, x * sine + y * cosine
 
 
-@njit(nogil=True, cache=True)
+@njit(**COMPILED)
 def _evaluate_all(degree: int, directions: FloatArray, out: FloatArray) -> None:
     for k in range(len(directions)):
         evaluate_into(degree, directions[k, 0], directions[k, 1], directions[k, 2], out[k])

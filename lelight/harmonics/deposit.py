@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED
 from lelight.harmonics.basis import AHEAD, BEHIND, SECTORAL
 from lelight.scene import FloatArray, IntArray
 
@@ -31,10 +32,9 @@ def _unscaled() -> tuple[FloatArray, FloatArray]:
 BACK, SCALE = _unscaled()
 
 # Sums may be taken in another order than written, the same for the same contributions; nothing else is loosened.
-_COMPILED = {"nogil": True, "cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"}}
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def deposit(
     degree: int,
     offsets: IntArray,
@@ -71,7 +71,7 @@ def deposit(
                 _turn(x[first:last], y[first:last], cosine, sine)
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _times(
     weights: FloatArray, cosine: FloatArray, sine: FloatArray, of_cosine: FloatArray, of_sine: FloatArray
 ) -> None:
@@ -80,7 +80,7 @@ def _times(
         of_cosine[k], of_sine[k] = weights[k] * cosine[k], weights[k] * sine[k]
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _turn(x: FloatArray, y: FloatArray, cosine: FloatArray, sine: FloatArray) -> None:
     """Multiply (x + iy)^m once more."""
     for k in range(len(x)):
@@ -89,7 +89,7 @@ def _turn(x: FloatArray, y: FloatArray, cosine: FloatArray, sine: FloatArray) ->
         cosine[k] = turned
 
 
-@njit(inline="always", **_COMPILED)
+@njit(inline="always", **COMPILED)
 def _climb(
     degree: int,
     m: int,
@@ -114,7 +114,7 @@ def _climb(
         _put(sums, degree, ell, m, last_channel, out)
 
 
-@njit(inline="always", **_COMPILED)
+@njit(inline="always", **COMPILED)
 def _sums(
     back: float,
     z: FloatArray,
@@ -135,7 +135,7 @@ def _sums(
     return cosine, sine, cosine_above, sine_above
 
 
-@njit(inline="always", **_COMPILED)
+@njit(inline="always", **COMPILED)
 def _sums_and_climb(
     back: float,
     back_above: float,
@@ -159,7 +159,7 @@ def _sums_and_climb(
     return cosine, sine, cosine_above, sine_above
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _put(
     sums: tuple[float, float, float, float], degree: int, ell: int, m: int, c: int, out: FloatArray
 ) -> None:

@@ -9,16 +9,15 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED
 from lelight.harmonics.basis import AHEAD, BEHIND, SECTORAL
 from lelight.scene import BoolArray, FloatArray, IntArray
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Factors a_lm and b_lm at [l, m].
 _AHEAD, _BEHIND = np.ascontiguousarray(AHEAD.T), np.ascontiguousarray(BEHIND.T)
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def synthesise_at(
     coefficients: FloatArray, degree: int, nodes: IntArray, weights: FloatArray, directions: FloatArray
 ) -> FloatArray:
@@ -51,7 +50,7 @@ def synthesise_at(
     return values
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _mix_alike(
     coefficients: FloatArray,
     nodes: IntArray,
@@ -75,7 +74,7 @@ def _mix_alike(
                 mixed[c, t] += weight * field[t, c]
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _add_value(
     degree: int, coefficients: FloatArray, direction: FloatArray, work: FloatArray, value: FloatArray
 ) -> None:

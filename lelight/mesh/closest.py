@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from numba import njit
 
+from lelight.compilation import LEAF
 from lelight.scene import FloatArray
 
 Vector = tuple[float, float, float]
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@njit(**LEAF)
 def closest(x: float, y: float, z: float, corners: FloatArray, t: int) -> tuple[float, float, float]:
     """Squared distance to triangle ``t`` of (m, 3, 3) and the weights of its corners b and c at the nearest point.
 
@@ -50,17 +51,17 @@ def closest(x: float, y: float, z: float, corners: FloatArray, t: int) -> tuple[
     return _dot(rest, rest), wb, wc
 
 
-@njit(nogil=True, cache=True)
+@njit(**LEAF)
 def _towards(end: Vector, start: Vector) -> Vector:
     """Vector from start to end."""
     return end[0] - start[0], end[1] - start[1], end[2] - start[2]
 
 
-@njit(nogil=True, cache=True)
+@njit(**LEAF)
 def _dot(a: Vector, b: Vector) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(nogil=True, cache=True)
+@njit(**LEAF)
 def _cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED
 from lelight.mesh.closest import closest
 from lelight.mesh.nodes import SurfaceMesh
 from lelight.mesh.refinement import refine
@@ -57,7 +58,7 @@ def _sources(scene: Scene) -> tuple[FloatArray, FloatArray]:
     return np.concatenate([on_faces, positions]), np.concatenate([sizes, np.zeros(len(positions))])
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@njit(**COMPILED)
 def _mark_long(corners: FloatArray, centres: FloatArray, least: FloatArray, long: BoolArray) -> None:
     """Mark triangles (m,) whose longest edge exceeds the distance to any source, and its least."""
     for t in range(len(corners)):

@@ -8,11 +8,10 @@ import numpy as np
 from numba import njit
 from scipy.spatial import cKDTree
 
+from lelight.compilation import COMPILED
 from lelight.mesh.nearest import TriangleGrid
 from lelight.mesh.nodes import NodeMesh
 from lelight.scene import BoolArray, FloatArray, IntArray
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
 class Locator:
@@ -89,7 +88,7 @@ def patch_sides(patches: IntArray, sides: IntArray) -> IntArray:
     return np.asarray(2 * patches + (sides < 0))
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _only_visible(
     found: IntArray, triangles: IntArray, hidden: BoolArray, nodes: IntArray, weights: FloatArray
 ) -> IntArray:
@@ -122,7 +121,7 @@ def interpolate(values: FloatArray, nodes: IntArray, weights: FloatArray) -> Flo
     return np.asarray(_mixed(table, nodes, weights).reshape(len(nodes), *values.shape[1:]))
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _mixed(values: FloatArray, nodes: IntArray, weights: FloatArray) -> FloatArray:
     """Mix rows of values (n, c) by weights (k, 3)."""
     mixed = np.empty((len(nodes), values.shape[1]))

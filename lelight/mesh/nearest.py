@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED, LEAF
 from lelight.mesh.closest import closest
 from lelight.scene import FloatArray, IntArray
 
@@ -160,13 +161,13 @@ def _footprints(
     return axes, lows, spans, sizes
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@njit(**LEAF)
 def _cell(height: float, step: float, count: int) -> int:
     """Row or column at a height above the grid's foot, held inside the grid."""
     return min(max(int(height / step), 0), count - 1)
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@njit(**COMPILED)
 def _visit_cells(grids: Grids, groups: IntArray, cursor: IntArray, members: IntArray) -> None:
     """Step the cursor of each cell that a triangle's box touches; write members if there is room."""
     for triangle in range(len(groups)):
@@ -182,7 +183,7 @@ def _visit_cells(grids: Grids, groups: IntArray, cursor: IntArray, members: IntA
                 cursor[cell] += 1
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@njit(**LEAF)
 def _find_on_own_cell(
     points: FloatArray,
     centre: FloatArray,
@@ -216,7 +217,7 @@ def _find_on_own_cell(
                     break
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@njit(**LEAF)
 def _search(
     points: FloatArray,
     centre: FloatArray,
@@ -259,7 +260,7 @@ def _search(
                 break
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@njit(**LEAF)
 def _reach(height: float, cell: int, ring: int, count: int, step: float) -> float:
     """Distance from a coordinate to the nearest cell beyond the ring, infinite where the grid ends."""
     reach = np.inf

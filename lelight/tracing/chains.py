@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED, LEAF
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.emitters import Emitters
 from lelight.tracing.lamps import emitted_ray
@@ -20,8 +21,6 @@ from lelight.tracing.reflection import Reflectances, diffuse_probability
 from lelight.tracing.sampling import cosine_direction, lobe_direction, mirrored, mix, to_axis, uniform
 from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.world import World
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Dimensions of the Sobol points: what to start from, place (2), direction (2), then lobe and direction (3) a
 #: reflection.
@@ -196,7 +195,7 @@ def _numbers(points: FloatArray, chain: IntArray, bounce: int, key: np.uint64) -
     return numbers
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _fill(key: np.uint64, chain: IntArray, bounce: int, out: FloatArray) -> None:
     for k in range(len(chain)):
         own = mix(mix(key, np.uint64(chain[k])), np.uint64(bounce))
@@ -204,7 +203,7 @@ def _fill(key: np.uint64, chain: IntArray, bounce: int, out: FloatArray) -> None
             out[k, d] = uniform(own, np.uint64(d + 4 - out.shape[1]))
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def emit(emitters: Emitters, numbers: FloatArray, offset: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Emit by rows (k, 5+) of numbers: origins, directions (k, 3) and flux over probability (k, C)."""
     count = len(numbers)
@@ -261,7 +260,7 @@ def emitted_housings(emitters: Emitters, numbers: FloatArray) -> IntArray:
     return np.where(point >= 0, emitters.housings[np.maximum(point, 0)], 0)
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _reflect(
     reflectances: Reflectances,
     normals: FloatArray,

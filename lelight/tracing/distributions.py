@@ -14,12 +14,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from lelight.compilation import LEAF
 from lelight.photometry.photometry import Photometry
 from lelight.photometry.zones import cumulative_flux
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.sampling import Vector
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Halvings of a band in γ; the rest is below the rounding of an angle.
 HALVINGS = 50
@@ -108,7 +107,7 @@ def _prepared(table: Photometry) -> dict[str, FloatArray]:
     }
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _below(nodes: FloatArray, first: int, count: int, at: float) -> int:
     """Index of the last of ``count`` nodes that is not above ``at``, at most the last but one."""
     low, high = 0, count - 1
@@ -121,7 +120,7 @@ def _below(nodes: FloatArray, first: int, count: int, at: float) -> int:
     return low
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def table_intensity(d: Distributions, t: int, x: float, y: float, z: float) -> float:
     """Intensity in cd of table ``t`` along a unit direction in the luminaire's axes C0, C90, up."""
     # From both sine and cosine: near the axis the arc cosine alone loses half the digits.
@@ -148,7 +147,7 @@ def table_intensity(d: Distributions, t: int, x: float, y: float, z: float) -> f
     return float(here * (1.0 - u) + there * u)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def table_direction(d: Distributions, t: int, u: float, v: float) -> Vector:
     """Direction in the luminaire's axes with density I / Φ in solid angle."""
     gamma = _drawn_gamma(d, t, u)
@@ -157,7 +156,7 @@ def table_direction(d: Distributions, t: int, u: float, v: float) -> Vector:
     return sine * math.cos(c), sine * math.sin(c), -math.cos(gamma)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _drawn_gamma(d: Distributions, t: int, u: float) -> float:
     """Angle whose share of the flux below it is ``u``."""
     first, count = d.first_gamma[t], d.count_gamma[t]
@@ -181,7 +180,7 @@ def _drawn_gamma(d: Distributions, t: int, u: float) -> float:
     return float(0.5 * (low + high))
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _drawn_c(d: Distributions, t: int, gamma: float, v: float) -> float:
     """Angle C with density as the intensity at ``gamma``, which is linear between planes."""
     first, count = d.first_gamma[t], d.count_gamma[t]
@@ -206,6 +205,6 @@ def _drawn_c(d: Distributions, t: int, gamma: float, v: float) -> float:
     return float(d.c[d.first_c[t] + low] + moved)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _at(column: FloatArray, k: int, share: float) -> float:
     return float(column[k] * (1.0 - share) + column[k + 1] * share)

@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED, LEAF
 from lelight.scene import BoolArray, FloatArray
 from lelight.tracing.distributions import table_intensity
 from lelight.tracing.emitters import Emitters
@@ -22,8 +23,6 @@ from lelight.tracing.triangles import (
     triangle_irradiance,
     triangle_solid_angle,
 )
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Up to this many sources the choice follows each one's geometry; beyond it, its power alone.
 LOCAL_CHOICE_LIMIT = 256
@@ -39,7 +38,7 @@ LOW = 0.1
 NEAR = 2.0
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _rough_importances(
     sketch: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float, out: FloatArray
 ) -> None:
@@ -66,13 +65,13 @@ def _rough_importances(
         out[s] = light if shining else 0.0
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _in_plane(height: float, size: float, x: float, y: float, z: float) -> bool:
     """Say whether rounding alone may have lifted a place to this height over a triangle's plane."""
     return abs(height) <= FLAT * size + ROUNDING * (abs(x) + abs(y) + abs(z))
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _height(emitters: Emitters, source: int, x: float, y: float, z: float) -> float:
     """Height in m of a place over a triangle's plane, 0 in it and negative where it does not shine."""
     corners, normal = emitters.corners[source], emitters.normals[source]
@@ -84,7 +83,7 @@ def _height(emitters: Emitters, source: int, x: float, y: float, z: float) -> fl
     return float(abs(height) if emitters.both_sides[source] else height)
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def rough_cdfs(emitters: Emitters, points: FloatArray, normals: FloatArray, cdfs: FloatArray) -> None:
     """Write cumulative probabilities (k, T + P) of the sources at surface points (k, 3), for paths: cheap.
 
@@ -130,7 +129,7 @@ def rough_cdfs(emitters: Emitters, points: FloatArray, normals: FloatArray, cdfs
             cdfs[k, s] /= total
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _strengths(emitters: Emitters) -> FloatArray:
     """Power over the flux of its table for each point (P,): what its intensities are multiplied by."""
     strengths = np.zeros(len(emitters.positions))
@@ -142,7 +141,7 @@ def _strengths(emitters: Emitters) -> FloatArray:
     return strengths
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _triangle_importance(
     emitters: Emitters,
     source: int,
@@ -179,7 +178,7 @@ def _triangle_importance(
     return float(brightness * area * height / (square * distance) * cos_here)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _rises(corners: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float) -> bool:
     """Say whether any corner stands above the horizon of a place."""
     highest = -math.inf
@@ -189,7 +188,7 @@ def _rises(corners: FloatArray, x: float, y: float, z: float, nx: float, ny: flo
     return highest > 0.0
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def choice_cdf(
     emitters: Emitters,
     x: float,
@@ -215,7 +214,8 @@ def choice_cdf(
     triangles = len(emitters.areas)
     count = len(emitters.power)
     if count > LOCAL_CHOICE_LIMIT:
-        scratch[:] = emitters.power_cdf
+        for source in range(count):
+            scratch[source] = emitters.power_cdf[source]
         return True
     total = 0.0
     for source in range(count):
@@ -231,14 +231,14 @@ def choice_cdf(
     return True
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def chosen(cdf: FloatArray, u: float) -> tuple[int, float]:
     """Source whose share of [0, 1) holds u, and its probability."""
     source = min(int(np.searchsorted(cdf, u, side="right")), len(cdf) - 1)
     return source, cdf[source] - (cdf[source - 1] if source > 0 else 0.0)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def toward_face(
     corners: FloatArray,
     normals: FloatArray,
@@ -281,7 +281,7 @@ def toward_face(
     return d, end, 1.0 / density if density > 0.0 and shining else 0.0, density
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def shines(emitters: Emitters, source: int, direction: Vector) -> bool:
     """Say whether a triangle emits against a direction that points at it."""
     away = (
@@ -292,7 +292,7 @@ def shines(emitters: Emitters, source: int, direction: Vector) -> bool:
     return bool(away < 0.0 or (emitters.both_sides[source] and away > 0.0))
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def drawn_density(
     emitters: Emitters, cdf: FloatArray, source: int, x: float, y: float, z: float, direction: Vector
 ) -> float:
@@ -304,7 +304,7 @@ def drawn_density(
     return float(share * density)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def source_strength(emitters: Emitters, source: int, channel: int) -> float:
     """Luminance of a triangle (cd/m²), intensity of a point (cd) or factor of a photometric luminaire."""
     triangles = len(emitters.areas)
@@ -313,7 +313,7 @@ def source_strength(emitters: Emitters, source: int, channel: int) -> float:
     return float(emitters.intensity[source - triangles, channel])
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def unshadowed(
     emitters: Emitters, x: float, y: float, z: float, nx: float, ny: float, nz: float, illuminance: FloatArray
 ) -> None:
@@ -330,7 +330,7 @@ def unshadowed(
             illuminance[c] += factor * source_strength(emitters, source, c)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def source_housing(emitters: Emitters, source: int) -> int:
     """Tell which surfaces do not block a source: those of this housing, 0 where all block."""
     triangles = len(emitters.areas)

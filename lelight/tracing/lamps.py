@@ -11,11 +11,10 @@ import math
 
 from numba import njit
 
+from lelight.compilation import LEAF
 from lelight.tracing.distributions import table_direction, table_intensity
 from lelight.tracing.emitters import Emitters
 from lelight.tracing.sampling import Vector, sphere_direction
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Distance in sizes of the opening beyond which a luminaire is a point: the five-times rule of photometry.
 NEAR_SIZES = 5.0
@@ -33,7 +32,7 @@ TOO_NEAR = 0.75
 STEPS_IN_PART = 2.0
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def lamp_intensity(emitters: Emitters, p: int, dx: float, dy: float, dz: float) -> float:
     """Relative intensity of point ``p`` along a unit direction in scene axes; see `source_strength`."""
     t = emitters.tables[p]
@@ -51,7 +50,7 @@ def lamp_intensity(emitters: Emitters, p: int, dx: float, dy: float, dz: float) 
     )
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def lamp_importance(
     emitters: Emitters,
     p: int,
@@ -84,7 +83,7 @@ def lamp_importance(
     )
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def seen_importance(distance: float, rise: float, size: float, intensity: float, peak: float) -> float:
     """`lamp_importance` for a factor of 1, from how a luminaire is seen: distance and rise over the surface in m."""
     near = distance < NEAR_SIZES * size
@@ -97,7 +96,7 @@ def seen_importance(distance: float, rise: float, size: float, intensity: float,
     return math.pi * intensity * cosine / spread
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def on_figure(emitters: Emitters, p: int, u: float, v: float) -> Vector:
     """Place in m on the opening of point ``p``, even over its area for even ``u`` and ``v``."""
     if emitters.round[p]:
@@ -113,7 +112,7 @@ def on_figure(emitters: Emitters, p: int, u: float, v: float) -> Vector:
     )
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def toward_lamp(
     emitters: Emitters, p: int, x: float, y: float, z: float, u: float, v: float, offset: float
 ) -> tuple[Vector, Vector, float, float]:
@@ -136,13 +135,13 @@ def toward_lamp(
     return d, end, intensity / (distance * distance), 0.0
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def distance_to(q: Vector, x: float, y: float, z: float) -> float:
     """Distance in m of two places."""
     return math.sqrt((q[0] - x) ** 2 + (q[1] - y) ** 2 + (q[2] - z) ** 2)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _seen_from(
     emitters: Emitters, p: int, q: Vector, x: float, y: float, z: float, nx: float, ny: float, nz: float
 ) -> float:
@@ -161,7 +160,7 @@ def _seen_from(
     )
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def parts_of_opening(emitters: Emitters, p: int, x: float, y: float, z: float) -> int:
     """Count the parts an edge is cut into for a closed form: 0 where the luminaire is far and needs none."""
     size = emitters.sizes[p]
@@ -173,7 +172,7 @@ def parts_of_opening(emitters: Emitters, p: int, x: float, y: float, z: float) -
     return int(max(1, math.ceil(size / max(distance, 1e-9 * size) / (STEPS_IN_PART * step))))
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def has_closed_form(
     emitters: Emitters, x: float, y: float, z: float, nx: float, ny: float, nz: float
 ) -> bool:
@@ -195,7 +194,7 @@ def has_closed_form(
     return True
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def unshadowed_lamp(
     emitters: Emitters, p: int, x: float, y: float, z: float, nx: float, ny: float, nz: float
 ) -> float:
@@ -214,7 +213,7 @@ def unshadowed_lamp(
     return total
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def emitted_ray(
     emitters: Emitters, p: int, u: float, v: float, w1: float, w2: float, offset: float
 ) -> tuple[Vector, Vector]:

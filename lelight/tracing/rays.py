@@ -18,6 +18,7 @@ from embreex.rtcore_scene import EmbreeScene
 from numba import njit
 from numpy.typing import NDArray
 
+from lelight.compilation import COMPILED
 from lelight.mesh.doubles import backs
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas, triangle_normals
 
@@ -132,7 +133,7 @@ def _least_heights(corners: FloatArray) -> FloatArray:
     return np.asarray(np.maximum(2.0 * triangle_areas(corners) / np.maximum(longest, tiny), tiny))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def _to_unit_cube(points: FloatArray, centre: FloatArray, scale: float) -> Float32Array:
     """Recentre and scale in double precision, then round."""
     scaled = np.empty(points.shape, dtype=np.float32)
@@ -142,7 +143,7 @@ def _to_unit_cube(points: FloatArray, centre: FloatArray, scale: float) -> Float
     return scaled
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def _land(
     hit: NDArray[np.int32],
     u: Float32Array,

@@ -13,10 +13,9 @@ import numpy as np
 from numba import njit
 
 from lelight.channels import luminance_weights
+from lelight.compilation import LEAF
 from lelight.scene import FloatArray, Scene
 from lelight.spectral.bands import diffuse_in_channels
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
 class Reflectances(NamedTuple):
@@ -45,7 +44,7 @@ def collect_reflectances(scene: Scene, channels: FloatArray) -> Reflectances:
     return Reflectances(diffuse, specular, exponent, diffuse @ weights, specular @ weights)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def lobe(exponent: float, cos_alpha: float) -> float:
     """Phong lobe for ks = 1, 1/sr: (n + 2) / (2 pi) cos^n."""
     if cos_alpha <= 0.0:
@@ -53,7 +52,7 @@ def lobe(exponent: float, cos_alpha: float) -> float:
     return (exponent + 2.0) / (2.0 * math.pi) * math.pow(cos_alpha, exponent)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def lobe_density(exponent: float, cos_alpha: float) -> float:
     """Density in 1/sr of drawing a direction from the lobe: (n + 1) / (2 pi) cos^n."""
     if cos_alpha <= 0.0:
@@ -61,7 +60,7 @@ def lobe_density(exponent: float, cos_alpha: float) -> float:
     return (exponent + 1.0) / (2.0 * math.pi) * math.pow(cos_alpha, exponent)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def diffuse_probability(reflectances: Reflectances, material: int) -> float:
     """Probability with which a walk that reflects takes the Lambertian lobe."""
     total = reflectances.diffuse_share[material] + reflectances.specular_share[material]

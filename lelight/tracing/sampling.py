@@ -12,15 +12,14 @@ import math
 import numpy as np
 from numba import njit
 
+from lelight.compilation import COMPILED, LEAF
 from lelight.scene import FloatArray
 
 #: Three coordinates, as compiled functions hand them on.
 Vector = tuple[float, float, float]
 
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
-
-@njit(**_COMPILED)
+@njit(**LEAF)
 def mix(key: np.uint64, counter: np.uint64) -> np.uint64:
     """Hash two 64-bit words into one (finaliser of SplitMix64; Steele, Lea, Flood 2014)."""
     z = np.uint64(key) ^ (np.uint64(counter) * np.uint64(0x9E3779B97F4A7C15))
@@ -30,20 +29,20 @@ def mix(key: np.uint64, counter: np.uint64) -> np.uint64:
     return z ^ (z >> np.uint64(31))
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def uniform(key: np.uint64, counter: np.uint64) -> float:
     """One number in [0, 1) that depends on its two arguments only."""
     return float(mix(key, counter) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def rotated(u: float, shift: float) -> float:
     """Cranley-Patterson rotation of one number in [0, 1)."""
     s = u + shift
     return s - 1.0 if s >= 1.0 else s
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def cosine_direction(u: float, v: float) -> Vector:
     """Direction on the hemisphere with density cos(theta)/pi (Malley's method)."""
     r = math.sqrt(u)
@@ -51,7 +50,7 @@ def cosine_direction(u: float, v: float) -> Vector:
     return r * math.cos(phi), r * math.sin(phi), math.sqrt(max(0.0, 1.0 - u))
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def lobe_direction(u: float, v: float, exponent: float) -> Vector:
     """Direction about z with density (n + 1)/(2 pi) cos^n (Lafortune & Willems 1994)."""
     cos_alpha = (1.0 - u) ** (1.0 / (exponent + 1.0))
@@ -60,7 +59,7 @@ def lobe_direction(u: float, v: float, exponent: float) -> Vector:
     return sin_alpha * math.cos(phi), sin_alpha * math.sin(phi), cos_alpha
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def sphere_direction(u: float, v: float) -> Vector:
     """Direction on the whole sphere with density 1/(4 pi)."""
     z = 1.0 - 2.0 * u
@@ -69,7 +68,7 @@ def sphere_direction(u: float, v: float) -> Vector:
     return r * math.cos(phi), r * math.sin(phi), z
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def to_axis(x: float, y: float, z: float, ax: float, ay: float, az: float) -> Vector:
     """Turn a local direction so that z becomes the unit axis a (frame of Duff et al. 2017).
 
@@ -85,14 +84,14 @@ def to_axis(x: float, y: float, z: float, ax: float, ay: float, az: float) -> Ve
     )
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def mirrored(dx: float, dy: float, dz: float, nx: float, ny: float, nz: float) -> Vector:
     """Mirror a direction that points away from the surface at the normal n."""
     twice = 2.0 * (dx * nx + dy * ny + dz * nz)
     return twice * nx - dx, twice * ny - dy, twice * nz - dz
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def solid_angle(a: Vector, b: Vector, c: Vector) -> float:
     """Solid angle of the triangle of three unit vectors (van Oosterom & Strackee 1983)."""
     triple = (
@@ -106,7 +105,7 @@ def solid_angle(a: Vector, b: Vector, c: Vector) -> float:
     return 2.0 * math.atan2(abs(triple), 1.0 + ab + bc + ca)
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def cosine_directions(numbers: FloatArray, normals: FloatArray) -> FloatArray:
     """Directions (k, 3) about unit normals (k, 3) with density cos(theta)/pi, from uniform numbers (k, 2)."""
     directions = np.empty((len(normals), 3))

@@ -16,10 +16,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from lelight.compilation import COMPILED, LEAF
 from lelight.scene import FloatArray
 from lelight.tracing.sampling import mix
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Binary digits of a number, as many as there are between 0.5 and 1.
 DIGITS = 53
@@ -129,7 +128,7 @@ def _odd_numbers(polynomial: int, first: tuple[int, ...]) -> list[int]:
     return odd
 
 
-@njit(**_COMPILED)
+@njit(**COMPILED)
 def _fill(directions: _Words, key: np.uint64, first: int, points: FloatArray) -> None:
     """Write points from number ``first`` on, each dimension scrambled by a matrix and a shift of its own."""
     count, dimensions = points.shape
@@ -160,7 +159,7 @@ def _fill(directions: _Words, key: np.uint64, first: int, points: FloatArray) ->
                 word ^= scrambled[k]
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _times(rows: _Words, word: np.uint64) -> np.uint64:
     """Multiply a word by a matrix of binary digits, its rows from the first digit on."""
     product = np.uint64(0)

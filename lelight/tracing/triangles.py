@@ -10,32 +10,31 @@ import math
 
 from numba import njit
 
+from lelight.compilation import LEAF
 from lelight.scene import FloatArray
 from lelight.tracing.sampling import Vector, solid_angle
-
-_COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 #: Below this solid angle (sr) the inverse of Arvo's map loses digits, while area sampling is as even.
 SMALL_SOLID_ANGLE = 1e-4
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _unit(x: float, y: float, z: float) -> Vector:
     s = 1.0 / math.sqrt(x * x + y * y + z * z)
     return x * s, y * s, z * s
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _dot(a: Vector, b: Vector) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _reject(a: Vector, b: Vector) -> Vector:
     """Keep the unit part of a that is perpendicular to the unit vector b."""
     d = _dot(a, b)
@@ -43,12 +42,12 @@ def _reject(a: Vector, b: Vector) -> Vector:
     return part
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _clamped(x: float) -> float:
     return min(1.0, max(-1.0, x))
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def directions_to_corners(corners: FloatArray, x: float, y: float, z: float) -> tuple[Vector, Vector, Vector]:
     """Look from the point (x, y, z) to three corners (3, 3), along unit vectors."""
     a = _unit(corners[0, 0] - x, corners[0, 1] - y, corners[0, 2] - z)
@@ -57,14 +56,14 @@ def directions_to_corners(corners: FloatArray, x: float, y: float, z: float) -> 
     return a, b, c
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def triangle_solid_angle(corners: FloatArray, x: float, y: float, z: float) -> float:
     """Solid angle in sr of a triangle (3, 3) seen from a point."""
     a, b, c = directions_to_corners(corners, x, y, z)
     return float(solid_angle(a, b, c))
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _arvo(a: Vector, b: Vector, c: Vector, area: float, u: float, v: float) -> Vector:
     n_ab, n_ca = _unit(*_cross(a, b)), _unit(*_cross(c, a))
     alpha = math.acos(_clamped(-_dot(n_ab, n_ca)))
@@ -89,7 +88,7 @@ def _arvo(a: Vector, b: Vector, c: Vector, area: float, u: float, v: float) -> V
     return z * b[0] + r * side[0], z * b[1] + r * side[1], z * b[2] + r * side[2]
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def point_on_ray(
     corners: FloatArray, normal: FloatArray, x: float, y: float, z: float, direction: Vector
 ) -> float:
@@ -101,7 +100,7 @@ def point_on_ray(
     return toward / across if across != 0.0 else -1.0
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _by_area(
     corners: FloatArray, normal: FloatArray, area: float, x: float, y: float, z: float, u: float, v: float
 ) -> tuple[Vector, float, float]:
@@ -117,7 +116,7 @@ def _by_area(
     return d, distance, density
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def sample_triangle(
     corners: FloatArray, normal: FloatArray, area: float, x: float, y: float, z: float, u: float, v: float
 ) -> tuple[Vector, float, float]:
@@ -141,7 +140,7 @@ def sample_triangle(
     return d, distance, 1.0 / omega
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def triangle_density(
     corners: FloatArray, normal: FloatArray, area: float, x: float, y: float, z: float, direction: Vector
 ) -> float:
@@ -154,7 +153,7 @@ def triangle_density(
     return distance * distance / (area * cos_away) if cos_away > 0.0 else 0.0
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _edge_term(a: Vector, b: Vector, n: Vector) -> float:
     """Give one edge of Lambert's formula: angle between unit vectors times their plane's normal along n."""
     g = _cross(a, b)
@@ -164,7 +163,7 @@ def _edge_term(a: Vector, b: Vector, n: Vector) -> float:
     return math.atan2(sine, _dot(a, b)) * float(_dot(g, n)) / sine
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def _at_horizon(a: Vector, b: Vector, height_a: float, height_b: float) -> Vector:
     """Find the unit vector where the arc from a (above) to b (below) crosses the horizon."""
     t = height_a / (height_a - height_b)
@@ -172,7 +171,7 @@ def _at_horizon(a: Vector, b: Vector, height_a: float, height_b: float) -> Vecto
     return crossing
 
 
-@njit(**_COMPILED)
+@njit(**LEAF)
 def triangle_irradiance(
     corners: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float
 ) -> float:

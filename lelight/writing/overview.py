@@ -10,12 +10,35 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
-import pyvista
+import vtkmodules.vtkRenderingFreeType
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+from vtkmodules.vtkCommonCore import vtkLookupTable
+from vtkmodules.vtkIOImage import vtkPNGWriter
+from vtkmodules.vtkRenderingAnnotation import vtkScalarBarActor
+from vtkmodules.vtkRenderingCore import (
+    vtkActor,
+    vtkPolyDataMapper,
+    vtkRenderer,
+    vtkRenderWindow,
+    vtkTextProperty,
+    vtkWindowToImageFilter,
+)
 
+from lelight.writing.polydata import PolyData, to_vtk
 from lelight.writing.views import partly_seen, robust_range, shown_values
 from lelight.writing.vtpreading import read_polydata
 
 WINDOW = (1400, 1000)
+#: Samples a pixel, which smooth edges.
+SAMPLES = 4
+#: The colour map viridis (Matplotlib, CC0) at even steps.
+VIRIDIS = (
+    (0.267, 0.005, 0.329), (0.282, 0.095, 0.417), (0.279, 0.175, 0.483), (0.259, 0.252, 0.525), (0.230, 0.322, 0.546),
+    (0.199, 0.388, 0.555), (0.173, 0.449, 0.558), (0.149, 0.508, 0.557), (0.128, 0.567, 0.551), (0.121, 0.626, 0.533),
+    (0.158, 0.684, 0.502), (0.246, 0.739, 0.452), (0.369, 0.789, 0.383), (0.516, 0.831, 0.294), (0.678, 0.864, 0.190),
+    (0.846, 0.887, 0.100), (0.993, 0.906, 0.144),
+)  # fmt: skip
+COLOURS = 256
 
 #: PR_SET_PDEATHSIG of prctl(2).
 _SET_DEATH_SIGNAL = 1
@@ -23,18 +46,7 @@ _SET_DEATH_SIGNAL = 1
 #: From the scene to the eye: high enough to look over the near walls, turned off the axes.
 _TOWARDS_EYE = np.array([-0.55, -1.0, 1.05])
 
-_LEGEND = {
-    "title": "Illuminance (lx)",
-    "vertical": True,
-    "color": "black",
-    "title_font_size": 26,
-    "label_font_size": 22,
-    "fmt": "%.3g",
-    "position_x": 0.87,
-    "position_y": 0.2,
-    "height": 0.6,
-    "width": 0.1,
-}
+TITLE = "Illuminance (lx)"
 
 
 def draw(field_file: Path, path: Path) -> None:
@@ -43,35 +55,99 @@ def draw(field_file: Path, path: Path) -> None:
     Faces are shown only from the side that their nodes stand for: near walls and the ceiling, seen from
     behind, are left out. The colours are those of the legend, without shading.
     """
-    plotter = pyvista.Plotter(off_screen=True, window_size=WINDOW)
-    plotter.set_background("white")
-    surface = _surface(field_file)
-    plotter.add_mesh(
-        surface,
-        scalars="illuminance",
-        cmap="viridis",
-        clim=surface.field_data["range"],
-        culling="back",
-        lighting=False,
-        scalar_bar_args=_LEGEND,
-    )
-    plotter.scalar_bar.SetVerticalTitleSeparation(12)
-    plotter.camera_position = [_TOWARDS_EYE.tolist(), [0, 0, 0], [0, 0, 1]]
-    plotter.reset_camera()
-    plotter.screenshot(path)
+    surface, limits = _surface(field_file)
+    colours = _colours(limits)
+    renderer = vtkRenderer()
+    renderer.SetBackground(1.0, 1.0, 1.0)
+    renderer.AddActor(_painted(surface, colours))
+    renderer.AddViewProp(_legend(colours))
+    camera = renderer.GetActiveCamera()
+    camera.SetPosition(*_TOWARDS_EYE)
+    camera.SetFocalPoint(0.0, 0.0, 0.0)
+    camera.SetViewUp(0.0, 0.0, 1.0)
+    renderer.ResetCamera()
+    _photograph(renderer, path)
 
 
-def _surface(field_file: Path) -> pyvista.PolyData:
-    """Surface in lit scene space around the origin, where single precision is enough to draw."""
+def _surface(field_file: Path) -> tuple[PolyData, tuple[float, float]]:
+    """Surface in lit scene space around the origin, where single precision is enough to draw, and range of colours."""
     content = read_polydata(field_file)
     corners, illuminance = content.point_arrays["corner_m"], content.point_arrays["illuminance_lx"]
     hidden = content.point_arrays["hidden"] != 0
     centre = (corners.min(axis=0) + corners.max(axis=0)) / 2
     seen = content.polygons[partly_seen(content.polygons, hidden)]
-    surface = pyvista.PolyData.from_regular_faces(corners - centre, seen)
-    surface["illuminance"] = shown_values(content.polygons, illuminance, hidden)
-    surface.field_data["range"] = robust_range(illuminance, hidden)
-    return surface
+    shown = {"illuminance": shown_values(content.polygons, illuminance, hidden)}
+    surface = PolyData(corners - centre, polygons=seen, point_arrays=shown)
+    return surface, robust_range(illuminance, hidden)
+
+
+def _colours(limits: tuple[float, float]) -> vtkLookupTable:
+    """Colours of illuminances between two limits."""
+    colours = vtkLookupTable()
+    colours.SetNumberOfTableValues(COLOURS)
+    colours.SetRange(*limits)
+    steps = np.linspace(0.0, len(VIRIDIS) - 1.0, COLOURS)
+    channels = [np.interp(steps, np.arange(len(VIRIDIS)), channel) for channel in zip(*VIRIDIS, strict=True)]
+    for k, (red, green, blue) in enumerate(np.transpose(channels).tolist()):
+        colours.SetTableValue(k, red, green, blue)
+    return colours
+
+
+def _painted(surface: PolyData, colours: vtkLookupTable) -> vtkActor:
+    """Surface in its colours, seen from the front only."""
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputData(to_vtk(surface))
+    mapper.SetLookupTable(colours)
+    mapper.UseLookupTableScalarRangeOn()
+    # Colours between nodes follow the illuminance, not the colours of the nodes.
+    mapper.InterpolateScalarsBeforeMappingOn()
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    actor.GetProperty().LightingOff()
+    actor.GetProperty().BackfaceCullingOn()
+    return actor
+
+
+def _legend(colours: vtkLookupTable) -> vtkScalarBarActor:
+    legend = vtkScalarBarActor()
+    legend.SetLookupTable(colours)
+    legend.SetTitle(TITLE)
+    legend.SetLabelFormat("%.3g")
+    legend.SetNumberOfLabels(5)
+    legend.SetMaximumNumberOfColors(COLOURS)
+    legend.SetPosition(0.87, 0.2)
+    legend.SetHeight(0.6)
+    legend.SetWidth(0.1)
+    legend.SetVerticalTitleSeparation(12)
+    legend.UnconstrainedFontSizeOn()
+    _write_in(legend.GetTitleTextProperty(), 26)
+    _write_in(legend.GetLabelTextProperty(), 22)
+    return legend
+
+
+def _write_in(text: vtkTextProperty, size: int) -> None:
+    text.SetColor(0.0, 0.0, 0.0)
+    text.SetFontSize(size)
+    text.BoldOff()
+    text.ItalicOff()
+    text.ShadowOff()
+
+
+def _photograph(renderer: vtkRenderer, path: Path) -> None:
+    """Render off screen and write a PNG."""
+    window = vtkRenderWindow()
+    window.SetOffScreenRendering(True)
+    window.SetMultiSamples(SAMPLES)
+    window.SetSize(*WINDOW)
+    window.AddRenderer(renderer)
+    window.Render()
+    picture = vtkWindowToImageFilter()
+    picture.SetInput(window)
+    picture.ReadFrontBufferOff()
+    writer = vtkPNGWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputConnection(picture.GetOutputPort())
+    writer.Write()
 
 
 def end_with_parent() -> None:

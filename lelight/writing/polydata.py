@@ -59,7 +59,7 @@ class PolyData:
 def write_polydata(path: Path, content: PolyData) -> None:
     """Write a ``.vtp``: XML with compressed binary arrays appended, whole or not at all."""
     writer = vtkXMLPolyDataWriter()
-    writer.SetInputData(_to_vtk(content))
+    writer.SetInputData(to_vtk(content))
     writer.SetDataModeToAppended()
     writer.EncodeAppendedDataOff()
     writer.SetCompressorTypeToZLib()
@@ -87,7 +87,8 @@ def _system_error(code: int) -> OSError:
     return OSError(errno.EIO, str(vtkErrorCode.GetStringFromErrorCode(code)))
 
 
-def _to_vtk(content: PolyData) -> Any:
+def to_vtk(content: PolyData) -> Any:
+    """Make VTK's poly data of it."""
     points = vtkPoints()
     points.SetData(_vtk_array("points", content.points, ()))
     polydata = vtkPolyData()
