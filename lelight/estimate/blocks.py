@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from time import perf_counter
@@ -13,6 +12,7 @@ from lelight.estimate.angular import Collecting
 from lelight.estimate.averaged import averaged_estimate
 from lelight.estimate.base import BaseField
 from lelight.estimate.direct import direct_light
+from lelight.estimate.lighttree import LightTree
 from lelight.estimate.local import Arrivals, LocalEstimate, local_estimate
 from lelight.estimate.nearfield import near_field
 from lelight.estimate.pathends import PathEnds
@@ -29,8 +29,10 @@ CHAINS, DIRECT, NEAR, DISC, LOBES = 1, 2, 3, 4, 5
 #: Share of the vertices that a receiver asks. About half of them face it; asking a twelfth instead takes a quarter of
 #: the time and adds a tenth to the variance (office and corridor, 180 vertices).
 ASKED_SHARE = 1.0 / 12.0
-#: Few enough vertices are all asked.
-LEAST_ASKED = 12.0
+#: Few enough vertices are all asked, and never more than so many.
+LEAST_ASKED, MOST_ASKED = 12.0, 128.0
+#: From so many vertices on a tree chooses faster than a look at each (corridor: as fast at 5000, twice at 20 000).
+TREE_FROM = 5000
 
 
 @dataclass(frozen=True)
@@ -148,6 +150,11 @@ class BlockWork:
         """What near paths end on, the same for all blocks."""
         return path_ends(self.site.world, self.site.base, self.vertices, self.site.effort.path_bound)
 
+    @cached_property
+    def tree(self) -> LightTree | None:
+        """Tree of the vertices, where there are enough of them."""
+        return LightTree.of(self.site.world, self.vertices) if len(self.vertices) >= TREE_FROM else None
+
     def _piece(self, receivers: Receivers) -> Batch:
         """Let chains, emitters and near surfaces light some receivers."""
         site, effort, seed, doubling = self.site, self.site.effort, self.seed, self.doubling
@@ -159,6 +166,7 @@ class BlockWork:
             site.variant,
             bound=effort.bound,
             seed=(*seed, DISC, doubling),
+            tree=self.tree,
         )
         times.append(perf_counter())
         direct, direct_rays = _direct(site.world, receivers, effort, doubling, (*seed, DIRECT))
@@ -204,13 +212,18 @@ def chain_light(
     *,
     bound: float,
     seed: tuple[int, ...],
+    tree: LightTree | None = None,
 ) -> LocalEstimate:
     """Light that chains give receivers: by the bounded kernel, thinned out, or by the raw one, or around them."""
     bound = variant.chain_bound(bound)
     if variant.averaged:
         return averaged_estimate(world, receivers, vertices=vertices, seed=seed)
-    asked = max(LEAST_ASKED, ASKED_SHARE * len(vertices)) if variant.bounded else math.inf
-    return local_estimate(world, receivers, vertices=vertices, bound=bound, asked=asked, key=hash_of(seed))
+    if not variant.bounded:
+        return local_estimate(world, receivers, vertices=vertices, bound=bound)
+    asked = min(max(LEAST_ASKED, ASKED_SHARE * len(vertices)), MOST_ASKED)
+    return local_estimate(
+        world, receivers, vertices=vertices, bound=bound, asked=asked, key=hash_of(seed), tree=tree
+    )
 
 
 def _direct(

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 
 from lelight.channels import luminance_weighted
-from lelight.compilation import LEAF
+from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.pathends import reflected_flux
 from lelight.receivers import Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
@@ -58,7 +58,7 @@ class Thinning:
         light spread over all surfaces, over the number asked: dark places ask fewer, but not too few.
         """
         flux = luminance_weighted(np.abs(vertices.flux))
-        threshold, passed = np.zeros(len(receivers)), np.zeros(len(receivers))
+        threshold = np.zeros(len(receivers))
         if asked < len(vertices):
             stride = max(1, len(vertices) // SKETCHED)
             _add_unshadowed(
@@ -74,8 +74,7 @@ class Thinning:
             )
             spread = float(reflected_flux(world, vertices).sum()) / world.area
             threshold = np.sqrt(threshold * stride * spread) / asked
-            _fill_first(key, receivers.identity, passed)
-        return cls(flux, threshold, passed)
+        return cls(flux, threshold, starting_sums(key, receivers.identity))
 
 
 @njit(**LEAF)
@@ -106,8 +105,10 @@ def _add_unshadowed(
                 illuminance[r] += reflected[i] / math.pi * min(cos_vertex * cos_receiver / square, bound)
 
 
-@njit(**LEAF)
-def _fill_first(key: np.uint64, identity: IntArray, passed: FloatArray) -> None:
-    """Write the sum of shares that each receiver begins with."""
+@njit(**COMPILED)
+def starting_sums(key: np.uint64, identity: IntArray) -> FloatArray:
+    """Draw the sums of shares (r,) in [0, 1) that receivers begin with."""
+    sums = np.empty(len(identity))
     for r in range(len(identity)):
-        passed[r] = uniform(key, np.uint64(identity[r]))
+        sums[r] = uniform(key, np.uint64(identity[r]))
+    return sums

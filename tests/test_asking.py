@@ -1,0 +1,153 @@
+"""Receivers that ask some of the vertices, by thinning or by a light tree, get what all of them give."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from rooms import glossy_room, grey, lit, panel
+from shapes import box, placed
+from verdicts import agrees
+
+from lelight.channels import luminance_weighted
+from lelight.estimate.effort import bound_for
+from lelight.estimate.lighttree import LightTree, lambertian_flux, with_phong_lobe
+from lelight.estimate.local import local_estimate
+from lelight.estimate.pairs import drawn_pairs
+from lelight.estimate.thinning import Thinning
+from lelight.receivers import ILLUMINANCE, SCALAR, Receivers, joined, space_receivers, with_surface
+from lelight.tracing.chains import ChainVertices, emission_chains, hash_of
+from lelight.tracing.sobol import Stretch
+from lelight.tracing.world import World, build_world
+
+KEYS = 400
+ASKED = 40.0
+#: On the floor of the lit room, beside the wall that parts it from the dark one, and in the dark room.
+PLACES = [(1.0, 1.5, 0.0), (1.9, 0.3, 0.0), (2.15, 0.3, 0.0), (3.5, 2.5, 0.0)]
+
+
+def two_rooms():
+    """A lit room and one lit through a door."""
+    return lit(
+        box((4.0, 3.0, 2.5)),
+        placed(box((0.1, 1.4, 2.5)), shift=(2.0, 0.0, 0.0)),
+        panel((0.5, 1.0, 2.45), (0.0, 0.8, 0.0), (0.8, 0.0, 0.0)),
+        materials=[grey("walls", 0.6), grey("parting", 0.6), grey("lamp", 0.5, luminance=1000.0)],
+    )
+
+
+@lru_cache
+def lit_by_chains(glossy: bool) -> tuple[World, ChainVertices, Receivers, float]:
+    """World, vertices of both signs, receivers on surfaces and in space, and bound."""
+    world = build_world(glossy_room(0.5, 0.3, 200.0) if glossy else two_rooms(), 1)
+    vertices = emission_chains(world, Stretch.of(9), seed=(1,))
+    signs = np.where(np.arange(len(vertices)) % 3 == 0, -0.2, 1.0)
+    vertices = vertices.with_flux(vertices.flux * signs[:, None])
+    places = np.array(PLACES)
+    floor = with_surface(space_receivers(places, np.tile([0.0, 0.0, 1.0], (len(places), 1))))
+    space = space_receivers(places + np.array([0.0, 0.0, 1.0]), np.tile([1.0, 0.0, 0.0], (len(places), 1)))
+    return world, vertices, joined([floor, space]), bound_for(world.area, 1024.0)
+
+
+def of_all(glossy: bool) -> np.ndarray:
+    """Illuminance and scalar illuminance (2 r,) by all vertices."""
+    world, vertices, receivers, bound = lit_by_chains(glossy)
+    return light_of(local_estimate(world, receivers, vertices=vertices, bound=bound).moments)
+
+
+def light_of(moments: np.ndarray) -> np.ndarray:
+    return luminance_weighted(moments[:, [ILLUMINANCE, SCALAR]]).ravel()
+
+
+def asked_light(glossy: bool, *, by_tree: bool, asked: float = ASKED) -> tuple[np.ndarray, float]:
+    """Light (KEYS, 2 r) by vertices that are drawn anew each time, and shadow rays a receiver."""
+    world, vertices, receivers, bound = lit_by_chains(glossy)
+    tree = LightTree.of(world, vertices) if by_tree else None
+    found = [
+        local_estimate(
+            world, receivers, vertices=vertices, bound=bound, asked=asked, key=hash_of((7, k)), tree=tree
+        )
+        for k in range(KEYS)
+    ]
+    rays = np.mean([each.rays for each in found]) / len(receivers)
+    return np.array([light_of(each.moments) for each in found]), float(rays)
+
+
+@pytest.mark.parametrize("by_tree", [False, True])
+@pytest.mark.parametrize("glossy", [False, True])
+def test_some_vertices_give_what_all_give(glossy: bool, by_tree: bool):
+    assert agrees(asked_light(glossy, by_tree=by_tree)[0], of_all(glossy), relative_error=0.06)
+
+
+@pytest.mark.parametrize("by_tree", [False, True])
+def test_a_receiver_asks_about_as_many_as_it_is_told_to(by_tree: bool):
+    """Not more than three times as many, and far less than half of all, which face it."""
+    _, rays = asked_light(False, by_tree=by_tree)
+    _, vertices, _, _ = lit_by_chains(False)
+    assert ASKED / 4.0 < rays < 3.0 * ASKED < len(vertices) / 8.0
+
+
+@pytest.mark.parametrize("by_tree", [False, True])
+def test_more_asked_scatter_less(by_tree: bool):
+    few, many = (asked_light(False, by_tree=by_tree, asked=asked)[0] for asked in (16.0, 256.0))
+    assert np.all(many.var(axis=0) < few.var(axis=0))
+
+
+def test_without_the_chances_the_answer_is_wrong():
+    """The draw is far from even: who forgets what it was drawn by is found out."""
+    world, vertices, receivers, bound = lit_by_chains(False)
+    tree = LightTree.of(world, vertices)
+    assert tree is not None
+    found = []
+    for k in range(KEYS):
+        thinning = Thinning.of(world, receivers, vertices, bound=bound, asked=ASKED, key=hash_of((7, k)))
+        vertex, receiver, chances = tree.draw(receivers, bound=bound, thinning=thinning)
+        even = np.full(len(chances), len(chances) / (len(vertices) * len(receivers)))
+        pairs = drawn_pairs(world, receivers, vertices, drawn=(vertex, receiver, even), bound=bound)
+        clear = world.caster.unblocked(pairs.origins, pairs.segments)
+        flux = luminance_weighted(vertices.flux)[pairs.vertex] * world.reflectances.diffuse[0, 0]
+        light = np.bincount(pairs.receiver, clear * pairs.diffuse * flux, minlength=len(receivers))
+        found.append(light[: len(PLACES)])
+    assert not agrees(np.array(found), of_all(False)[: 2 * len(PLACES) : 2], relative_error=0.5)
+
+
+def test_vertices_are_drawn_as_often_as_the_tree_says():
+    """Frequencies of all vertices at one receiver against their chances: z by the binomial variance."""
+    world, vertices, receivers, bound = lit_by_chains(False)
+    tree, one, draws = LightTree.of(world, vertices), receivers[np.array([1])], 3000
+    assert tree is not None
+    counts, chance = np.zeros(len(vertices)), np.zeros(len(vertices))
+    for k in range(draws):
+        thinning = Thinning.of(world, one, vertices, bound=bound, asked=ASKED, key=hash_of((9, k)))
+        vertex, _, chances = tree.draw(one, bound=bound, thinning=thinning)
+        counts[vertex] += 1.0
+        chance[vertex] = chances
+    drawn = chance > 0.0
+    spread = np.sqrt(draws * chance * (1.0 - chance))[drawn]
+    always = spread == 0.0
+    assert np.all(counts[drawn][always] == draws)
+    z = (counts - draws * chance)[drawn][~always] / spread[~always]
+    assert len(z) > 300 and np.abs(z).max() < 5.0 and np.abs(z).mean() < 1.0
+
+
+def test_the_tree_holds_every_lambertian_vertex_once():
+    world, vertices, _, _ = lit_by_chains(True)
+    tree = LightTree.of(world, vertices)
+    assert tree is not None
+    leaves = np.flatnonzero(tree.left < 0)
+    assert np.array_equal(
+        np.sort(-1 - tree.left[leaves]), np.flatnonzero(lambertian_flux(world, vertices) > 0)
+    )
+    assert tree.nodes[0, 0] == pytest.approx(lambertian_flux(world, vertices).sum())
+    below = vertices.points[-1 - tree.left[leaves]]
+    reach = np.linalg.norm(below - tree.nodes[0, 1:4], axis=1)
+    assert reach.max() <= tree.nodes[0, 4] * (1.0 + 1e-12)
+    assert with_phong_lobe(world, vertices).any()
+
+
+def test_no_tree_without_lambertian_lobes():
+    world, vertices, _, _ = lit_by_chains(True)
+    dark = replace(world, reflectances=world.reflectances._replace(diffuse_share=np.zeros(2)))
+    assert LightTree.of(dark, vertices) is None
