@@ -27,7 +27,7 @@ BATCHES = 36
 #: of them are normal.
 TARGETS = {"office": 0.05, "corridor": 0.025, "cornell": 0.05}
 #: Independent runs of lelight, whose spread is the error of what no run reports an error for.
-RUNS = 8
+RUNS = 20
 #: Radiance is compared where the illuminance is at least this share of the median.
 LEAST_SHARE = 0.2
 #: Metres that the tracer steps toward the eye before it looks back: out of the surface, and less than a node

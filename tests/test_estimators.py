@@ -254,8 +254,11 @@ def test_colour_is_carried_channel_by_channel():
     rho = np.array([0.7, 0.4, 0.1])
     scene = replace(scene, materials=(replace(scene.materials[0], diffuse=rho),))
     world = build_world(scene, 3)
-    moments = trial(world, cube_receivers()[np.array([0, 4])], effort=bounded(world, 1.0))
-    light = moments[:, :, ILLUMINANCE].reshape(BATCHES, -1)
+    # Receivers ask vertices by their luminance, so red alone is noisier than grey.
+    moments = trial(
+        world, cube_receivers()[np.array([0, 4])], effort=bounded(world, 1.0), batches=3 * BATCHES
+    )
+    light = moments[:, :, ILLUMINANCE].reshape(3 * BATCHES, -1)
     assert agrees(light, np.tile(1 / (1 - rho), 2), relative_error=TELLING)
 
 
