@@ -17,7 +17,7 @@ from numba import njit
 from lelight.compilation import LEAF
 from lelight.estimate.lighttree import LightTree, with_phong_lobe
 from lelight.estimate.moments import add_arrival
-from lelight.estimate.pairs import Pairs, drawn_pairs, scanned_pairs
+from lelight.estimate.pairs import Pairs, drawn_pairs, off_surfaces, scanned_pairs
 from lelight.estimate.thinning import Thinning
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import FloatArray, IntArray
@@ -26,7 +26,7 @@ from lelight.tracing.reflection import Reflectances
 from lelight.tracing.world import World
 
 #: Vertices handled at once for one block of receivers; bounds memory, does not change results.
-VERTEX_CHUNK = 256
+VERTEX_CHUNK = 32
 #: Key of draws where nothing is drawn.
 NO_KEY = np.uint64(0)
 
@@ -109,11 +109,14 @@ def _scanned(
 ) -> Iterator[tuple[ChainVertices, Pairs]]:
     """Go through all vertices, some at a time."""
     thinning = Thinning.of(world, receivers, vertices, bound=bound, asked=asked, key=key)
+    ends = off_surfaces(world, vertices, receivers)
     for first in range(0, len(vertices), VERTEX_CHUNK):
         chunk = slice(first, first + VERTEX_CHUNK)
         yield (
             vertices,
-            scanned_pairs(world, receivers, vertices, chunk, bound=bound, thinning=thinning),
+            scanned_pairs(
+                world, receivers, vertices, chunk, bound=bound, thinning=thinning, off_surfaces=ends
+            ),
         )
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from lelight.compilation import LEAF
+from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.thinning import Thinning
 from lelight.receivers import Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
@@ -66,14 +66,19 @@ def scanned_pairs(
     *,
     bound: float,
     thinning: Thinning,
+    off_surfaces: tuple[Float32Array, Float32Array],
 ) -> Pairs:
     """Look at all pairs of the receivers and a chunk of the vertices, and keep those that can exchange light.
 
     Weak ones are thinned out, see `Thinning`.
+
+    Parameters
+    ----------
+    off_surfaces : what `off_surfaces` gives
     """
     number = np.arange(len(vertices))[chunk]
     pairs = Pairs.room_for(len(number) * len(receivers))
-    caster = world.caster
+    starts, ends = off_surfaces
     count = _scan(
         number,
         vertices.points,
@@ -86,9 +91,8 @@ def scanned_pairs(
         receivers.normals,
         receivers.on_surface,
         bound,
-        caster.centre,
-        caster.scale,
-        caster.offset,
+        starts,
+        ends,
         thinning.flux,
         thinning.threshold,
         thinning.passed,
@@ -116,7 +120,7 @@ def drawn_pairs(
     """
     vertex, receiver, chances = drawn
     pairs = Pairs.room_for(len(vertex))
-    caster = world.caster
+    starts, ends = off_surfaces(world, vertices, receivers)
     count = _take(
         vertex,
         receiver,
@@ -127,9 +131,8 @@ def drawn_pairs(
         receivers.normals,
         receivers.on_surface,
         bound,
-        caster.centre,
-        caster.scale,
-        caster.offset,
+        starts,
+        ends,
         pairs.vertex,
         pairs.receiver,
         pairs.diffuse,
@@ -140,7 +143,16 @@ def drawn_pairs(
     return pairs.first(count)
 
 
-@njit(**LEAF)
+def off_surfaces(
+    world: World, vertices: ChainVertices, receivers: Receivers
+) -> tuple[Float32Array, Float32Array]:
+    """Put starts (v, 3) and ends (r, 3) of shadow rays in embree's coordinates."""
+    caster = world.caster
+    starts = caster.in_unit_cube(caster.leave(vertices.points, vertices.normals))
+    return starts, caster.in_unit_cube(caster.leave(receivers.points, receivers.normals))
+
+
+@njit(**COMPILED)
 def _scan(
     number: IntArray,
     points: FloatArray,
@@ -153,9 +165,8 @@ def _scan(
     at_normals: FloatArray,
     on_surface: BoolArray,
     bound: float,
-    centre: FloatArray,
-    scale: float,
-    offset: float,
+    starts: Float32Array,
+    ends: Float32Array,
     flux: FloatArray,
     threshold: FloatArray,
     passed: FloatArray,
@@ -166,6 +177,10 @@ def _scan(
     out_origins: Float32Array,
     out_segments: Float32Array,
 ) -> int:
+    kernels, cosines = np.empty(len(at)), np.empty(len(at))
+    facing = np.empty(len(at), dtype=np.int64)
+    x, y, z = at[:, 0].copy(), at[:, 1].copy(), at[:, 2].copy()
+    u, v, w = at_normals[:, 0].copy(), at_normals[:, 1].copy(), at_normals[:, 2].copy()
     count = 0
     for i in number:
         m = materials[i]
@@ -173,27 +188,31 @@ def _scan(
         ks = reflectances.specular_share[m] if lobes[i] & SPECULAR_LOBE else 0.0
         if kd + ks <= 0.0:
             continue
-        px, py, pz = points[i]
-        nx, ny, nz = normals[i]
-        n = reflectances.exponent[m]
-        mx, my, mz = mirrored(incoming[i, 0], incoming[i, 1], incoming[i, 2], nx, ny, nz)
+        px, py, pz = points[i, 0], points[i, 1], points[i, 2]
+        nx, ny, nz = normals[i, 0], normals[i, 1], normals[i, 2]
+        # Without branches, so that several receivers are done at a time.
         for r in range(len(at)):
-            dx, dy, dz = at[r, 0] - px, at[r, 1] - py, at[r, 2] - pz
-            cos_vertex = dx * nx + dy * ny + dz * nz
-            if cos_vertex <= 0.0:
-                continue
+            dx, dy, dz = x[r] - px, y[r] - py, z[r] - pz
             square = dx * dx + dy * dy + dz * dz
             distance = math.sqrt(square)
-            cos_receiver = 1.0
-            if on_surface[r]:
-                along = dx * at_normals[r, 0] + dy * at_normals[r, 1] + dz * at_normals[r, 2]
-                cos_receiver = -along / distance
-                if cos_receiver <= 0.0:
-                    continue
-            kernel = cos_vertex * cos_receiver / (distance * square)
+            cosine = -(dx * u[r] + dy * v[r] + dz * w[r]) / distance
+            cosine = cosine if on_surface[r] else 1.0
+            along = dx * nx + dy * ny + dz * nz
+            both = (along > 0.0) & (cosine > 0.0)
+            kernels[r] = along * cosine / (square * distance) if both else 0.0
+            cosines[r] = cosine
+        faced = 0
+        for r in range(len(at)):
+            facing[faced] = r
+            faced += kernels[r] > 0.0
+        n = reflectances.exponent[m]
+        mx, my, mz = mirrored(incoming[i, 0], incoming[i, 1], incoming[i, 2], nx, ny, nz)
+        for r in facing[:faced]:
+            kernel, cos_receiver = kernels[r], cosines[r]
             specular = 0.0
             if ks > 0.0:
-                cos_alpha = (dx * mx + dy * my + dz * mz) / distance
+                dx, dy, dz = x[r] - px, y[r] - py, z[r] - pz
+                cos_alpha = (dx * mx + dy * my + dz * mz) / math.sqrt(dx * dx + dy * dy + dz * dz)
                 specular = min(math.pi * lobe(n, cos_alpha) * kernel, bound)
                 if kd <= 0.0 and specular <= 0.0:
                     continue
@@ -208,9 +227,9 @@ def _scan(
             out_receiver[count] = r
             out_diffuse[count] = diffuse / (math.pi * cos_receiver * chance)
             out_specular[count] = specular / (math.pi * cos_receiver * chance)
-            _write_ray(
-                count, points, normals, i, at, at_normals, r, centre, scale, offset, out_origins, out_segments
-            )
+            for axis in range(3):
+                out_origins[count, axis] = starts[i, axis]
+                out_segments[count, axis] = ends[r, axis] - starts[i, axis]
             count += 1
     return count
 
@@ -236,9 +255,8 @@ def _take(
     at_normals: FloatArray,
     on_surface: BoolArray,
     bound: float,
-    centre: FloatArray,
-    scale: float,
-    offset: float,
+    starts: Float32Array,
+    ends: Float32Array,
     out_vertex: IntArray,
     out_receiver: IntArray,
     out_diffuse: FloatArray,
@@ -264,31 +282,8 @@ def _take(
         kernel = min(cos_vertex * cos_receiver / square, bound)
         out_diffuse[count] = kernel / (math.pi * cos_receiver * chances[k])
         out_specular[count] = 0.0
-        _write_ray(
-            count, points, normals, i, at, at_normals, r, centre, scale, offset, out_origins, out_segments
-        )
+        for axis in range(3):
+            out_origins[count, axis] = starts[i, axis]
+            out_segments[count, axis] = ends[r, axis] - starts[i, axis]
         count += 1
     return count
-
-
-@njit(**LEAF)
-def _write_ray(
-    row: int,
-    points: FloatArray,
-    normals: FloatArray,
-    i: int,
-    at: FloatArray,
-    at_normals: FloatArray,
-    r: int,
-    centre: FloatArray,
-    scale: float,
-    offset: float,
-    origins: Float32Array,
-    segments: Float32Array,
-) -> None:
-    """Write the shadow ray from vertex ``i`` to receiver ``r``, both off their surfaces."""
-    for axis in range(3):
-        start = (points[i, axis] + offset * normals[i, axis] - centre[axis]) * scale
-        end = (at[r, axis] + offset * at_normals[r, axis] - centre[axis]) * scale
-        origins[row, axis] = start
-        segments[row, axis] = end - start

@@ -5,6 +5,7 @@ Receivers do not depend on each other, so a block may be worked on in pieces of 
 
 from __future__ import annotations
 
+from lelight.estimate.lighttree import ROOM, TREE_FROM
 from lelight.estimate.local import VERTEX_CHUNK
 from lelight.receivers import Receivers
 
@@ -32,7 +33,7 @@ def bytes_a_receiver(log2_direct: int, log2_near: int, *, vertices: int, channel
     working = max(
         min(near, SAMPLES_AT_ONCE) * (NEAR_SAMPLE + NEAR_SAMPLE_CHANNEL * channels),
         min(direct, SAMPLES_AT_ONCE) * (DIRECT_SAMPLE + DIRECT_SAMPLE_CHANNEL * channels),
-        min(vertices, VERTEX_CHUNK) * PAIR,
+        (ROOM if vertices >= TREE_FROM else min(vertices, VERTEX_CHUNK)) * PAIR,
     )
     if kept:
         working += (vertices + near) * (ARRIVAL + ARRIVAL_CHANNEL * channels) + 2 * 8 * kept * channels

@@ -90,7 +90,7 @@ class RayCaster:
         origins : (k, 3) float, m; already off their own surface (see `leave`)
         directions : (k, 3) float, unit
         """
-        found = self._scene.run(self._scaled(origins), directions.astype(np.float32), output=True)
+        found = self._scene.run(self.in_unit_cube(origins), directions.astype(np.float32), output=True)
         landed = _land(
             found["primID"],
             found["u"],
@@ -110,8 +110,8 @@ class RayCaster:
 
     def visible(self, origins: FloatArray, targets: FloatArray) -> BoolArray:
         """Say for each pair of points (k, 3), m, already off their surfaces, whether nothing lies between."""
-        start = self._scaled(origins)
-        return self.unblocked(start, self._scaled(targets) - start)
+        start = self.in_unit_cube(origins)
+        return self.unblocked(start, self.in_unit_cube(targets) - start)
 
     def unblocked(
         self,
@@ -122,7 +122,8 @@ class RayCaster:
         reach = np.full(len(origins), SHADOW_SHARE, dtype=np.float32)
         return np.asarray(self._scene.run(origins, segments, dists=reach, query="OCCLUDED") < 0)
 
-    def _scaled(self, points: FloatArray) -> Float32Array:
+    def in_unit_cube(self, points: FloatArray) -> Float32Array:
+        """Put points (k, 3), m, in embree's own coordinates, ``(x - centre) * scale``."""
         return np.asarray(_to_unit_cube(points, self.centre, self.scale))
 
 
