@@ -16,7 +16,6 @@ import numpy as np
 
 from lelight.channels import luminance_weighted
 from lelight.checkpoint.keeper import Keeper
-from lelight.estimate.blocks import MOST_ASKED
 from lelight.estimate.chainwalk import chain_vertices
 from lelight.estimate.lighttree import TREE_FROM, LightTree
 from lelight.estimate.local import VERTEX_CHUNK, local_estimate
@@ -34,6 +33,8 @@ SCENE = Path(__file__).parents[1] / "scenes" / "corridor.toml"
 BOUND = 0.6
 ROUNDS = 15
 RECEIVERS = 1024
+#: Vertices that a receiver asks, however many there are.
+ASKED = 128.0
 
 
 @lru_cache
@@ -127,7 +128,7 @@ def test_vertices_times_64():
                 receivers,
                 vertices=vertices,
                 bound=BOUND,
-                asked=MOST_ASKED,
+                asked=ASKED,
                 key=hash_of((k,)),
                 tree=tree,
             )

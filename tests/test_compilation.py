@@ -29,7 +29,7 @@ def test_a_leaf_that_makes_an_array_is_refused():
     def made(count):
         return np.empty(count)
 
-    with pytest.raises(NumbaError, match="NRT required|Only accept returning of array passed"):
+    with pytest.raises(NumbaError, match=r"NRT required|Only accept returning of array passed"):
         made(3)
 
 

@@ -16,6 +16,7 @@ from lelight.estimate.lighttree import TREE_FROM, LightTree
 from lelight.estimate.local import Arrivals, LocalEstimate, local_estimate
 from lelight.estimate.nearfield import near_field
 from lelight.estimate.pathends import PathEnds
+from lelight.estimate.thinning import vertices_asked
 from lelight.estimate.turns import Turn, turns
 from lelight.estimate.variants import Variant
 from lelight.estimate.workingset import receivers_at_once
@@ -26,11 +27,6 @@ from lelight.tracing.world import World
 
 #: What tells the random numbers of a batch's parts from each other.
 CHAINS, DIRECT, NEAR, DISC, LOBES = 1, 2, 3, 4, 5
-#: Share of the vertices that a receiver asks. About half of them face it; asking a twelfth instead takes a quarter of
-#: the time and adds a tenth to the variance (office and corridor, 180 vertices).
-ASKED_SHARE = 1.0 / 12.0
-#: Few enough vertices are all asked, and never more than so many.
-LEAST_ASKED, MOST_ASKED = 12.0, 128.0
 
 
 @dataclass(frozen=True)
@@ -218,7 +214,7 @@ def chain_light(
         return averaged_estimate(world, receivers, vertices=vertices, seed=seed)
     if not variant.bounded:
         return local_estimate(world, receivers, vertices=vertices, bound=bound)
-    asked = min(max(LEAST_ASKED, ASKED_SHARE * len(vertices)), MOST_ASKED)
+    asked = vertices_asked(len(vertices), by_tree=tree is not None)
     return local_estimate(
         world, receivers, vertices=vertices, bound=bound, asked=asked, key=hash_of(seed), tree=tree
     )

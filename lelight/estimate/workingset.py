@@ -5,8 +5,9 @@ Receivers do not depend on each other, so a block may be worked on in pieces of 
 
 from __future__ import annotations
 
-from lelight.estimate.lighttree import ROOM, TREE_FROM
+from lelight.estimate.lighttree import TREE_FROM, room_for
 from lelight.estimate.local import VERTEX_CHUNK
+from lelight.estimate.thinning import vertices_asked
 from lelight.receivers import Receivers
 
 #: Samples that a receiver takes at once; a batch's sums depend on it.
@@ -33,11 +34,18 @@ def bytes_a_receiver(log2_direct: int, log2_near: int, *, vertices: int, channel
     working = max(
         min(near, SAMPLES_AT_ONCE) * (NEAR_SAMPLE + NEAR_SAMPLE_CHANNEL * channels),
         min(direct, SAMPLES_AT_ONCE) * (DIRECT_SAMPLE + DIRECT_SAMPLE_CHANNEL * channels),
-        (ROOM if vertices >= TREE_FROM else min(vertices, VERTEX_CHUNK)) * PAIR,
+        _pairs_at_once(vertices) * PAIR,
     )
     if kept:
         working += (vertices + near) * (ARRIVAL + ARRIVAL_CHANNEL * channels) + 2 * 8 * kept * channels
     return working
+
+
+def _pairs_at_once(vertices: int) -> int:
+    """Count the pairs of a receiver that are worked on together."""
+    if vertices < TREE_FROM:
+        return min(vertices, VERTEX_CHUNK)
+    return room_for(vertices_asked(vertices, by_tree=True))
 
 
 def receivers_at_once(
