@@ -35,6 +35,9 @@ from lelight.reading.loading import load
 from lelight.receivers import space_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, Material, PointLuminaire, Scene, triangle_areas
 from lelight.settings import Settings
+from lelight.tracing.chains import emission_chains
+from lelight.tracing.sobol import Stretch
+from lelight.tracing.world import build_world
 
 RHO = 0.6
 #: Deterministic results agree to this share.
@@ -220,7 +223,8 @@ def test_faces_back_to_back_are_the_two_sides_of_a_sheet() -> None:
     """Closed form: two furnaces of other walls, divided by nothing but their coincident faces."""
     rooms = [box((1.0, 1.0, 1.0)), placed(box((1.0, 1.0, 1.0)), shift=(1.0, 0.0, 0.0))]
     walls = [grey("light", 0.8, luminance=UNIT_EXITANCE), grey("dark", 0.2, luminance=UNIT_EXITANCE)]
-    made = run(lit(*rooms, materials=walls))
+    # With the least effort light between nearby walls is rare in single nodes, and their errors are not to be trusted.
+    made = run(lit(*rooms, materials=walls), target=0.02, batches=16)
     for number, exact in ((0, 5.0), (1, 1.25)):
         own = (made.field.mesh.materials == number) & (made.field.mesh.sides > 0)
         assert agrees(at_nodes(made, own), exact, relative_error=OF_NODE)
@@ -315,11 +319,19 @@ def test_a_point_lamp_close_to_a_wall(height: float) -> None:
     mesh = made.field.mesh
     received = np.array(made.replicates.at_nodes) @ mesh.areas * 0.5 / (400.0 * math.pi)
     assert abs(received.mean() - 1.0) < 0.05
-    # The spot sends half of what it gets down again, which the floor must show: chains from the lamp say so too.
-    floor = mesh.positions[:, 2] < EXACT
-    # Paths from nodes find the spot by chance only, so that those estimates are many.
-    other = run(near_the_ceiling(height), edge=0.7, estimator="emitters", batches=48)
-    assert same_mean(mean(made, floor), mean(other, floor), relative_error=0.03)
+    # The spot sends half of what it gets down again: chains from the lamp, counted where they meet the floor, say so.
+    fine = run(near_the_ceiling(height), edge=0.2, batches=16)
+    floor = fine.field.mesh.positions[:, 2] < EXACT
+    counted = met_on_floor(near_the_ceiling(height)) / 12.0
+    assert same_mean(mean(fine, floor), counted, relative_error=0.01)
+    assert not same_mean(mean(fine, floor), 1.04 * counted, relative_error=0.01)
+
+
+def met_on_floor(scene: Scene) -> FloatArray:
+    """Flux (batches, 1) in lm that chains from the emitters bring to z = 0."""
+    world = build_world(scene, 1)
+    batches = [emission_chains(world, Stretch.of(12), seed=(k,)) for k in range(24)]
+    return np.array([[each.flux[each.points[:, 2] < 1e-4].sum()] for each in batches])
 
 
 def test_a_luminous_face_01_mm_from_a_wall() -> None:

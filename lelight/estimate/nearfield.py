@@ -14,13 +14,13 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
-from lelight.compilation import LEAF
+from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.guide import Guide, guided, unguided
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
 from lelight.estimate.pathends import END_NUMBERS, PathEnds, SurfaceLuminance, bounded_base
 from lelight.estimate.paths import NUMBERS, reflected_radiance, rotated_numbers
-from lelight.estimate.pathstate import Paths, chosen_paths, kernel_between, meet
+from lelight.estimate.pathstate import Paths, chosen_paths, meet
 from lelight.estimate.split import list_near
 from lelight.estimate.turns import Turn
 from lelight.receivers import MOMENTS, Receivers
@@ -203,6 +203,38 @@ def _first_surfaces(world: World, receivers: Receivers, receiver: IntArray, dire
 
 def _geometry(receivers: Receivers, receiver: IntArray, directions: FloatArray, paths: Paths) -> FloatArray:
     """G (k,) in 1/m² from receivers; without their cosine in space."""
-    cosines = np.einsum("kx,kx->k", directions, receivers.normals[receiver])
-    cosines = np.where(receivers.on_surface[receiver], cosines, 1.0)
-    return kernel_between(receivers.points[receiver], cosines, paths)
+    return np.asarray(
+        _kernels(
+            receivers.points,
+            receivers.normals,
+            receivers.on_surface,
+            receiver,
+            directions,
+            paths.points,
+            paths.normals,
+        )
+    )
+
+
+@njit(**COMPILED)
+def _kernels(
+    at: FloatArray,
+    at_normals: FloatArray,
+    on_surface: BoolArray,
+    receiver: IntArray,
+    directions: FloatArray,
+    points: FloatArray,
+    normals: FloatArray,
+) -> FloatArray:
+    kernels = np.empty(len(receiver))
+    for k in range(len(receiver)):
+        r = receiver[k]
+        square, cos_receiver, cos_surface = 0.0, 0.0, 0.0
+        for axis in range(3):
+            square += (points[k, axis] - at[r, axis]) ** 2
+            cos_receiver += directions[k, axis] * at_normals[r, axis]
+            cos_surface -= directions[k, axis] * normals[k, axis]
+        if not on_surface[r]:
+            cos_receiver = 1.0
+        kernels[k] = cos_surface * cos_receiver / max(square, 1e-300)
+    return kernels

@@ -17,7 +17,7 @@ from numba import njit
 from lelight.channels import luminance_weighted
 from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.guide import Guide
-from lelight.estimate.pathstate import Paths
+from lelight.estimate.pathstate import Paths, add_clear
 from lelight.estimate.split import above, lobe_shares
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
@@ -176,10 +176,10 @@ def add_drawn_vertices(
     """Add what one drawn vertex gives each path's surface for its Lambertian lobe; returns the shadow rays."""
     if not len(ends.chances):
         return 0
-    light = np.zeros_like(paths.throughput)
+    light, number = np.empty_like(paths.throughput), np.empty(len(paths.number), dtype=np.int64)
     origins, targets = np.empty_like(paths.points), np.empty_like(paths.points)
     vertices = ends.vertices
-    _draw_vertices(
+    lit: int = _draw_vertices(
         ends.chances,
         vertices.points,
         vertices.normals,
@@ -199,14 +199,14 @@ def add_drawn_vertices(
         world.emitters.weights,
         FAINT_VERTEX * float(world.emitters.power.sum()) / (math.pi * world.area),
         world.caster.offset,
+        paths.number,
+        number,
         light,
         origins,
         targets,
     )
-    lit = np.flatnonzero(light.any(axis=1))
-    clear = lit[world.visible(origins[lit], targets[lit])]
-    radiance[paths.number[clear]] += light[clear]
-    return len(lit)
+    add_clear(radiance, number[:lit], light[:lit], world.visible(origins[:lit], targets[:lit]))
+    return lit
 
 
 @njit(**LEAF)
@@ -230,10 +230,14 @@ def _draw_vertices(
     weights: FloatArray,
     faint: float,
     offset: float,
+    own_number: IntArray,
+    number: IntArray,
     light: FloatArray,
     origins: FloatArray,
     ends: FloatArray,
-) -> None:
+) -> int:
+    """Write what drawn vertices give those paths that they can light, one after the other; returns how many."""
+    lit = 0
     diffuse, specular, exponents = reflectances.diffuse, reflectances.specular, reflectances.exponent
     for k in range(len(at)):
         share = above(bound, geometry[k]) / math.pi
@@ -261,14 +265,16 @@ def _draw_vertices(
         for c in range(light.shape[1]):
             reflected = diffuse[m, c] * by_diffuse + specular[m, c] * by_specular
             onward = throughput[k, c] * diffuse[at_materials[k], c] * share
-            light[k, c] = flux[i, c] * reflected / chance * onward
-            strength += weights[c] * abs(light[k, c])
+            light[lit, c] = flux[i, c] * reflected / chance * onward
+            strength += weights[c] * abs(light[lit, c])
         survival = min(1.0, strength / faint)
         if not numbers[k, 1] < survival:
-            light[k] = 0.0
             continue
         for c in range(light.shape[1]):
-            light[k, c] /= survival
+            light[lit, c] /= survival
         for axis in range(3):
-            origins[k, axis] = at[k, axis] + offset * at_normals[k, axis]
-            ends[k, axis] = points[i, axis] + offset * normals[i, axis]
+            origins[lit, axis] = at[k, axis] + offset * at_normals[k, axis]
+            ends[lit, axis] = points[i, axis] + offset * normals[i, axis]
+        number[lit] = own_number[k]
+        lit += 1
+    return lit

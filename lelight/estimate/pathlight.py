@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from lelight.compilation import COMPILED
-from lelight.estimate.pathstate import Paths
+from lelight.estimate.pathstate import Paths, add_clear
 from lelight.estimate.split import above, lobe_probability, lobe_shares
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.drawing import (
@@ -38,10 +38,10 @@ def add_drawn_sources(
     world: World, paths: Paths, bound: float, numbers: FloatArray, radiance: FloatArray
 ) -> int:
     """Add the light of one drawn source at each path's surface; returns the shadow rays."""
-    light = np.zeros_like(paths.throughput)
+    light = np.empty_like(paths.throughput)
     origins, ends = np.empty_like(paths.points), np.empty_like(paths.points)
-    housing = np.zeros(len(paths.points), dtype=np.int64)
-    _draw_sources(
+    housing, number = np.zeros(len(light), dtype=np.int64), np.empty(len(light), dtype=np.int64)
+    lit: int = _draw_sources(
         world.emitters,
         world.reflectances,
         paths.points,
@@ -53,15 +53,16 @@ def add_drawn_sources(
         bound,
         numbers,
         world.caster.offset,
+        paths.number,
+        number,
         light,
         origins,
         ends,
         housing,
     )
-    lit = np.flatnonzero(light.max(axis=1) > 0.0)
-    clear = lit[world.visible(origins[lit], ends[lit], housing=housing[lit])]
-    np.add.at(radiance, paths.number[clear], light[clear])
-    return len(lit)
+    clear = world.visible(origins[:lit], ends[:lit], housing=housing[:lit])
+    add_clear(radiance, number[:lit], light[:lit], clear)
+    return lit
 
 
 @njit(**COMPILED)
@@ -77,16 +78,19 @@ def _draw_sources(
     bound: float,
     numbers: FloatArray,
     offset: float,
+    own_number: IntArray,
+    number: IntArray,
     light: FloatArray,
     origins: FloatArray,
     ends: FloatArray,
     housing: IntArray,
-) -> None:
+) -> int:
+    """Write what drawn sources give those paths that they can light, one after the other; returns how many."""
     # Single arrays: handing all emitters or materials on costs more than what is done with them.
     corners, faces, areas = emitters.corners, emitters.normals, emitters.areas
     both_sides, luminance, intensity = emitters.both_sides, emitters.luminance, emitters.intensity
     diffuse, specular, exponent = reflectances.diffuse, reflectances.specular, reflectances.exponent
-    triangles = len(corners)
+    triangles, lit = len(corners), 0
     # Among very many sources the choice is the same at every place: one row serves all.
     everywhere = len(emitters.power) > LOCAL_CHOICE_LIMIT
     cdfs = np.empty((1 if everywhere else min(PATHS_AT_ONCE, len(points)), len(emitters.power)))
@@ -124,15 +128,19 @@ def _draw_sources(
             if phong > 0.0 and density > 0.0:
                 drawn = share * density
                 phong *= drawn / (drawn + (1.0 - p_diffuse) * lobe_density(n, cos_alpha))
+        brightest = 0.0
         for c in range(light.shape[1]):
             reflected = diffuse[m, c] * share_d / math.pi + specular[m, c] * phong
             strength = luminance[source, c] if source < triangles else intensity[source - triangles, c]
-            light[k, c] = throughput[k, c] * strength * factor / share * cos_theta * reflected
-        if source >= triangles:
-            housing[k] = source_housing(emitters, source)
-        for axis in range(3):
-            origins[k, axis] = points[k, axis] + offset * normals[k, axis]
-            ends[k, axis] = end[axis]
+            light[lit, c] = throughput[k, c] * strength * factor / share * cos_theta * reflected
+            brightest = max(brightest, light[lit, c])
+        if brightest <= 0.0:
+            continue
+        number[lit], housing[lit] = own_number[k], source_housing(emitters, source)
+        origins[lit, 0], origins[lit, 1], origins[lit, 2] = x + offset * nx, y + offset * ny, z + offset * nz
+        ends[lit, 0], ends[lit, 1], ends[lit, 2] = end
+        lit += 1
+    return lit
 
 
 def add_met_emitters(

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from lelight.compilation import COMPILED
-from lelight.scene import FloatArray, IntArray
+from lelight.compilation import COMPILED, LEAF
+from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.world import World
 
 
@@ -144,3 +144,12 @@ def _kernel(
             cos_surface += outgoing[k, axis] * met_normals[k, axis]
         kernel[k] = cos_surface * cosines[k] / max(square, 1e-300)
     return kernel
+
+
+@njit(**LEAF)
+def add_clear(radiance: FloatArray, number: IntArray, light: FloatArray, clear: BoolArray) -> None:
+    """Add the light (k, C) of rays that nothing blocks to the radiance (n, C) of the paths they belong to."""
+    for k in range(len(number)):
+        if clear[k]:
+            for c in range(light.shape[1]):
+                radiance[number[k], c] += light[k, c]
