@@ -147,6 +147,26 @@ def test_the_tree_holds_every_lambertian_vertex_once():
     assert with_phong_lobe(world, vertices).any()
 
 
+def test_a_receiver_that_few_vertices_face_asks_them_all_the_same():
+    """One centimetre under the ceiling and facing it: what is sketched gives it next to nothing."""
+    world, vertices, _, bound = lit_by_chains(False)
+    up = with_surface(space_receivers(np.array([[1.0, 1.5, 2.49]]), np.array([[0.0, 0.0, 1.0]])))
+    tree = LightTree.of(world, vertices)
+    assert tree is not None
+    for key in range(20):
+        thinning = Thinning.of(world, up, vertices, bound=bound, asked=ASKED, key=hash_of((key,)))
+        assert thinning.threshold[0] > 0.0
+        _, _, chances = tree.draw(up, bound=bound, thinning=thinning)
+        assert np.all((chances > 0.0) & (chances <= 1.0))
+        of_tree, of_scan = (
+            local_estimate(
+                world, up, vertices=vertices, bound=bound, asked=ASKED, key=hash_of((key,)), tree=by
+            )
+            for by in (tree, None)
+        )
+        assert np.isfinite(of_tree.moments).all() and np.isfinite(of_scan.moments).all()
+
+
 def test_no_tree_without_lambertian_lobes():
     world, vertices, _, _ = lit_by_chains(True)
     dark = replace(world, reflectances=world.reflectances._replace(diffuse_share=np.zeros(2)))

@@ -35,6 +35,8 @@ DEEPEST = 64
 FAR, ALIKE, ALL_ABOVE = 0.3, 0.8, 0.3
 #: Vertices are faint together where they give less than this share of the threshold.
 FAINT = 0.5
+#: Number of draws that stands for certainty.
+SURELY = 1e9
 
 
 @dataclass(frozen=True)
@@ -256,7 +258,7 @@ def _draw(
             # Below a node whose vertices are taken together, the number drawn is shared out by flux.
             if number < 0.0:
                 found = _gives(nodes, node, at, at_normals, r, on_surface[r], bound, faint)
-                number = found / threshold[r] if found >= 0.0 else -1.0
+                number = min(found / threshold[r], SURELY) if found >= 0.0 else -1.0
             if number < 0.0:
                 waiting[depth], numbers[depth] = a + 1, -1.0
                 waiting[depth + 1], numbers[depth + 1] = a, -1.0

@@ -30,6 +30,8 @@ ASKED_SHARE, ASKED_BY_TREE = 1.0 / 12.0, 1.0 / 48.0
 LEAST_ASKED = 12.0
 #: Vertices that tell what a receiver would get of all in the open.
 SKETCHED = 64
+#: Least that a receiver is taken to get in the open, as a share of all light spread over all surfaces.
+DARKEST = 1e-3
 
 
 def vertices_asked(count: int, *, by_tree: bool) -> float:
@@ -86,7 +88,7 @@ class Thinning:
                 threshold,
             )
             spread = float(reflected_flux(world, vertices).sum()) / world.area
-            threshold = np.sqrt(threshold * stride * spread) / asked
+            threshold = np.sqrt(np.maximum(threshold * stride, DARKEST * spread) * spread) / asked
         return cls(asked, flux, threshold, starting_sums(key, receivers.identity))
 
 
