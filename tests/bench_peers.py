@@ -3,7 +3,8 @@
 ``DRJIT_LIBLLVM_PATH=.../libLLVM-19.so python tests/bench_peers.py office corridor glossy`` prints for a scene the
 smallest of 300 p values against its Sidak bound, and a line for each program and setting: error, bias, seconds and
 efficiency, 1/(relative rms error² x CPU seconds), medians of interleaved runs. Errors are those of illuminance relative
-to max(E, 5 % of the mean), against many paths of Mitsuba whose own noise is taken off. ``--csv FILE`` keeps the lines.
+to max(E, 5 % of the mean), against many paths of Mitsuba whose own noise is taken off. ``--csv FILE`` keeps the
+lines, which `plot_peers` draws.
 """
 
 from __future__ import annotations
@@ -135,8 +136,8 @@ def main() -> None:
         with TemporaryDirectory() as folder:
             for told, row in side_by_side(name, given.target, Path(folder)).items():
                 lines.append(",".join([name, f'"{told}"', *(f"{value:.4g}" for value in row)]))
-    if given.csv is not None:
-        given.csv.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        if given.csv is not None:
+            given.csv.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

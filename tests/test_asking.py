@@ -13,10 +13,10 @@ from verdicts import agrees
 
 from lelight.channels import luminance_weighted
 from lelight.estimate.effort import bound_for
-from lelight.estimate.lighttree import LightTree, lambertian_flux, with_phong_lobe
+from lelight.estimate.lighttree import LightTree, with_phong_lobe
 from lelight.estimate.local import local_estimate
 from lelight.estimate.pairs import drawn_pairs
-from lelight.estimate.thinning import Thinning
+from lelight.estimate.thinning import Thinning, lobe_strengths
 from lelight.receivers import ILLUMINANCE, SCALAR, Receivers, joined, space_receivers, with_surface
 from lelight.tracing.chains import ChainVertices, emission_chains, hash_of
 from lelight.tracing.sobol import Stretch
@@ -132,15 +132,28 @@ def test_vertices_are_drawn_as_often_as_the_tree_says():
     assert len(z) > 300 and np.abs(z).max() < 5.0 and np.abs(z).mean() < 1.0
 
 
+def test_a_channel_that_is_hardly_luminous_is_asked_in_its_own_right():
+    """A vertex of blue alone, a fourteenth as luminous as white, has at least the sixth that is its share of colour."""
+    scene = lit(box(), materials=[grey("walls", 0.5, luminance=1.0)])
+    world = build_world(scene, 3)
+    vertices = emission_chains(world, Stretch.of(4), seed=(1,))
+    colours = np.array([[1.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
+    two = vertices[np.arange(2)].with_flux(colours)
+    strengths = lobe_strengths(world, two)[0]
+    assert strengths.sum() == pytest.approx(0.5 * luminance_weighted(colours).sum(), rel=1e-12)
+    blue = strengths[1] / strengths.sum()
+    assert blue == pytest.approx(0.5 * 0.0722 / 1.0722 + 0.5 * (0.5 / 3.0), rel=1e-3)
+
+
 def test_the_tree_holds_every_lambertian_vertex_once():
     world, vertices, _, _ = lit_by_chains(True)
     tree = LightTree.of(world, vertices)
     assert tree is not None
     leaves = np.flatnonzero(tree.left < 0)
     assert np.array_equal(
-        np.sort(-1 - tree.left[leaves]), np.flatnonzero(lambertian_flux(world, vertices) > 0)
+        np.sort(-1 - tree.left[leaves]), np.flatnonzero(lobe_strengths(world, vertices)[0] > 0)
     )
-    assert tree.nodes[0, 0] == pytest.approx(lambertian_flux(world, vertices).sum())
+    assert tree.nodes[0, 0] == pytest.approx(lobe_strengths(world, vertices)[0].sum())
     below = vertices.points[-1 - tree.left[leaves]]
     reach = np.linalg.norm(below - tree.nodes[0, 1:4], axis=1)
     assert reach.max() <= tree.nodes[0, 4] * (1.0 + 1e-12)
@@ -169,5 +182,5 @@ def test_a_receiver_that_few_vertices_face_asks_them_all_the_same():
 
 def test_no_tree_without_lambertian_lobes():
     world, vertices, _, _ = lit_by_chains(True)
-    dark = replace(world, reflectances=world.reflectances._replace(diffuse_share=np.zeros(2)))
+    dark = replace(world, reflectances=world.reflectances._replace(diffuse=np.zeros((2, 1))))
     assert LightTree.of(dark, vertices) is None

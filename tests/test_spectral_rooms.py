@@ -132,7 +132,7 @@ def test_red_walls_move_the_lamps_colour_bounce_by_bounce():
     """E = S (ρ g1 + ρ² g2 + ...), the g from quadrature: nothing reaches the eye unreflected."""
     lamp, bounces = illuminant("LED-B3"), light_by_bounces(40)
     np.testing.assert_allclose(bounces, light_by_bounces(40, order=32), rtol=1e-6)
-    found = run(between_two_walls(lamp, PINK), batches=16, target=0.003).observers[0]
+    found = run(between_two_walls(lamp, PINK), batches=40, target=0.003).observers[0]
 
     def coloured(upto):
         powers = PINK.amounts[:, None] ** np.arange(1, upto + 1)

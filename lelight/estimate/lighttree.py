@@ -15,13 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from lelight.channels import luminance_weighted
 from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.pairs import LEAST_COSINE
-from lelight.estimate.thinning import Thinning
+from lelight.estimate.thinning import Thinning, lobe_strengths
 from lelight.receivers import Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
-from lelight.tracing.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
+from lelight.tracing.chains import SPECULAR_LOBE, ChainVertices
 from lelight.tracing.world import World
 
 #: From so many vertices on a tree chooses faster than a look at each (corridor: as fast at 5000, 1.4 times at 20 000).
@@ -46,8 +45,8 @@ class LightTree:
     Attributes
     ----------
     left : (m,) int; for a leaf -1 minus its vertex
-    nodes : (m, 9) float; flux in lm that the vertices below reflect, whatever the sign, middle (3) and radius in m of a
-        sphere around them, mean normal (3), and cosine of the greatest angle from it
+    nodes : (m, 9) float; flux in lm that the vertices below reflect (see `lobe_strengths`), middle (3) and radius in m
+        of a sphere around them, mean normal (3), and cosine of the greatest angle from it
     """
 
     left: IntArray
@@ -56,7 +55,7 @@ class LightTree:
     @classmethod
     def of(cls, world: World, vertices: ChainVertices) -> LightTree | None:
         """Build the tree; None where no vertex reflects by a Lambertian lobe."""
-        flux = lambertian_flux(world, vertices)
+        flux = lobe_strengths(world, vertices)[0]
         members = np.flatnonzero(flux > 0.0)
         if not len(members):
             return None
@@ -103,12 +102,6 @@ class LightTree:
 def room_for(asked: float) -> int:
     """Say for how many vertices there is room at each receiver that is to ask so many, to begin with."""
     return int(2.0 * asked) + 64
-
-
-def lambertian_flux(world: World, vertices: ChainVertices) -> FloatArray:
-    """Flux (v,) in lm that vertices send back by their Lambertian lobes, whatever its sign."""
-    kd = world.reflectances.diffuse_share[vertices.materials]
-    return luminance_weighted(np.abs(vertices.flux)) * np.where(vertices.lobes & DIFFUSE_LOBE, kd, 0.0)
 
 
 def with_phong_lobe(world: World, vertices: ChainVertices) -> BoolArray:

@@ -93,7 +93,8 @@ def scanned_pairs(
         bound,
         starts,
         ends,
-        thinning.flux,
+        thinning.strengths[0],
+        thinning.strengths[1],
         thinning.threshold,
         thinning.passed,
         pairs.vertex,
@@ -167,7 +168,8 @@ def _scan(
     bound: float,
     starts: Float32Array,
     ends: Float32Array,
-    flux: FloatArray,
+    by_diffuse: FloatArray,
+    by_specular: FloatArray,
     threshold: FloatArray,
     passed: FloatArray,
     out_vertex: IntArray,
@@ -217,7 +219,7 @@ def _scan(
                 if kd <= 0.0 and specular <= 0.0:
                     continue
             diffuse = min(kernel, bound) if kd > 0.0 else 0.0
-            chance = _chance(flux[i] * (kd * diffuse + ks * specular), cos_receiver, threshold[r])
+            chance = _chance(by_diffuse[i] * diffuse + by_specular[i] * specular, cos_receiver, threshold[r])
             if chance < 1.0:
                 passed[r] += chance
                 if passed[r] < 1.0:

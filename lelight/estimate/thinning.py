@@ -15,10 +15,9 @@ from numba import njit
 
 from lelight.channels import luminance_weighted
 from lelight.compilation import COMPILED, LEAF
-from lelight.estimate.pathends import reflected_flux
 from lelight.receivers import Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
-from lelight.tracing.chains import ChainVertices
+from lelight.tracing.chains import DIFFUSE_LOBE, SPECULAR_LOBE, ChainVertices
 from lelight.tracing.sampling import uniform
 from lelight.tracing.world import World
 
@@ -46,13 +45,13 @@ class Thinning:
     Attributes
     ----------
     asked : float, how many pairs a receiver is to keep, about
-    flux : (v,) float, lm of each vertex, whatever its sign
+    strengths : (2, v) float, lm that each vertex reflects by its Lambertian and its Phong lobe, see `lobe_strengths`
     threshold : (r,) float, illuminance in lx below which a receiver's pairs are thinned out, 0 for none
     passed : (r,) float in [0, 1), sum of shares since a pair was kept; changed while vertices are gone through
     """
 
     asked: float
-    flux: FloatArray
+    strengths: FloatArray
     threshold: FloatArray
     passed: FloatArray
 
@@ -72,7 +71,7 @@ class Thinning:
         The threshold is the geometric mean of what a receiver would get in the open and what it would get were all
         light spread over all surfaces, over the number asked: dark places ask fewer, but not too few.
         """
-        flux = luminance_weighted(np.abs(vertices.flux))
+        strengths = lobe_strengths(world, vertices)
         threshold = np.zeros(len(receivers))
         if asked < len(vertices):
             stride = max(1, len(vertices) // SKETCHED)
@@ -80,16 +79,34 @@ class Thinning:
                 np.arange(0, len(vertices), stride),
                 vertices.points,
                 vertices.normals,
-                reflected_flux(world, vertices),
+                strengths.sum(axis=0),
                 receivers.points,
                 receivers.normals,
                 receivers.on_surface,
                 bound,
                 threshold,
             )
-            spread = float(reflected_flux(world, vertices).sum()) / world.area
+            spread = float(strengths.sum()) / world.area
             threshold = np.sqrt(np.maximum(threshold * stride, DARKEST * spread) * spread) / asked
-        return cls(asked, flux, threshold, starting_sums(key, receivers.identity))
+        return cls(asked, strengths, threshold, starting_sums(key, receivers.identity))
+
+
+def lobe_strengths(world: World, vertices: ChainVertices) -> FloatArray:
+    """Flux (2, v) in lm that vertices reflect by either lobe, whatever its sign: the luminous one where all is grey.
+
+    In colour half of it goes by the channels alike, each in proportion to its sum over all vertices: what only one
+    channel carries, hardly luminous perhaps, is asked in its own right.
+    """
+    reflectances, m = world.reflectances, vertices.materials
+    diffuse = np.where((vertices.lobes & DIFFUSE_LOBE != 0)[:, None], reflectances.diffuse[m], 0.0)
+    specular = np.where((vertices.lobes & SPECULAR_LOBE != 0)[:, None], reflectances.specular[m], 0.0)
+    reflected = np.abs(vertices.flux) * np.stack([diffuse, specular])
+    luminous = luminance_weighted(reflected)
+    if world.channels == 1:
+        return luminous
+    total = np.maximum(reflected.sum(axis=(0, 1)), np.finfo(np.float64).tiny)
+    alike = luminous.sum() * np.mean(reflected / total, axis=2)
+    return np.asarray(0.5 * (luminous + alike))
 
 
 @njit(**LEAF)
