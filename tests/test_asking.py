@@ -13,7 +13,7 @@ from verdicts import agrees
 
 from lelight.channels import luminance_weighted
 from lelight.estimate.effort import bound_for
-from lelight.estimate.lighttree import LightTree, with_phong_lobe
+from lelight.estimate.lighttree import LightTree
 from lelight.estimate.local import local_estimate
 from lelight.estimate.pairs import drawn_pairs
 from lelight.estimate.thinning import Thinning, lobe_strengths
@@ -75,8 +75,7 @@ def asked_light(glossy: bool, *, by_tree: bool, asked: float = ASKED) -> tuple[n
     return np.array([light_of(each.moments) for each in found]), float(rays)
 
 
-@pytest.mark.parametrize("by_tree", [False, True])
-@pytest.mark.parametrize("glossy", [False, True])
+@pytest.mark.parametrize(("glossy", "by_tree"), [(False, False), (False, True), (True, False)])
 def test_some_vertices_give_what_all_give(glossy: bool, by_tree: bool):
     assert agrees(asked_light(glossy, by_tree=by_tree)[0], of_all(glossy), relative_error=0.06)
 
@@ -145,19 +144,16 @@ def test_a_channel_that_is_hardly_luminous_is_asked_in_its_own_right():
     assert blue == pytest.approx(0.5 * 0.0722 / 1.0722 + 0.5 * (0.5 / 3.0), rel=1e-3)
 
 
-def test_the_tree_holds_every_lambertian_vertex_once():
-    world, vertices, _, _ = lit_by_chains(True)
+def test_the_tree_holds_every_vertex_once():
+    world, vertices, _, _ = lit_by_chains(False)
     tree = LightTree.of(world, vertices)
     assert tree is not None
-    leaves = np.flatnonzero(tree.left < 0)
-    assert np.array_equal(
-        np.sort(-1 - tree.left[leaves]), np.flatnonzero(lobe_strengths(world, vertices)[0] > 0)
-    )
-    assert tree.nodes[0, 0] == pytest.approx(lobe_strengths(world, vertices)[0].sum())
+    leaves, flux = np.flatnonzero(tree.left < 0), lobe_strengths(world, vertices)[0]
+    assert np.array_equal(np.sort(-1 - tree.left[leaves]), np.flatnonzero(flux > 0))
+    assert tree.nodes[0, 0] == pytest.approx(flux.sum())
     below = vertices.points[-1 - tree.left[leaves]]
     reach = np.linalg.norm(below - tree.nodes[0, 1:4], axis=1)
     assert reach.max() <= tree.nodes[0, 4] * (1.0 + 1e-12)
-    assert with_phong_lobe(world, vertices).any()
 
 
 def test_a_receiver_that_few_vertices_face_asks_them_all_the_same():
@@ -180,7 +176,9 @@ def test_a_receiver_that_few_vertices_face_asks_them_all_the_same():
         assert np.isfinite(of_tree.moments).all() and np.isfinite(of_scan.moments).all()
 
 
-def test_no_tree_without_lambertian_lobes():
+def test_no_tree_with_phong_lobes_or_without_lambertian_ones():
     world, vertices, _, _ = lit_by_chains(True)
-    dark = replace(world, reflectances=world.reflectances._replace(diffuse=np.zeros((2, 1))))
+    assert LightTree.of(world, vertices) is None
+    world, vertices, _, _ = lit_by_chains(False)
+    dark = replace(world, reflectances=world.reflectances._replace(diffuse=np.zeros((3, 1))))
     assert LightTree.of(dark, vertices) is None

@@ -15,13 +15,13 @@ import numpy as np
 from numba import njit
 
 from lelight.compilation import LEAF
-from lelight.estimate.lighttree import LightTree, with_phong_lobe
+from lelight.estimate.lighttree import LightTree
 from lelight.estimate.moments import add_arrival
 from lelight.estimate.pairs import Pairs, drawn_pairs, off_surfaces, scanned_pairs
 from lelight.estimate.thinning import Thinning
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import FloatArray, IntArray
-from lelight.tracing.chains import SPECULAR_LOBE, ChainVertices
+from lelight.tracing.chains import ChainVertices
 from lelight.tracing.reflection import Reflectances
 from lelight.tracing.world import World
 
@@ -90,12 +90,12 @@ def local_estimate(
         chosen = _scanned(world, receivers, vertices, bound, asked, key)
     else:
         chosen = _drawn(world, receivers, vertices, bound, asked, key, tree)
-    for asked_vertices, pairs in chosen:
+    for pairs in chosen:
         rays += len(pairs.vertex)
         clear = np.flatnonzero(world.caster.unblocked(pairs.origins, pairs.segments))
-        _gather(moments, receivers, asked_vertices, pairs, clear, world)
+        _gather(moments, receivers, vertices, pairs, clear, world)
         if angular:
-            kept.append(_arrivals(receivers, asked_vertices, pairs, clear, world))
+            kept.append(_arrivals(receivers, vertices, pairs, clear, world))
     return LocalEstimate(moments, tuple(kept), rays)
 
 
@@ -106,17 +106,14 @@ def _scanned(
     bound: float,
     asked: float,
     key: np.uint64,
-) -> Iterator[tuple[ChainVertices, Pairs]]:
+) -> Iterator[Pairs]:
     """Go through all vertices, some at a time."""
     thinning = Thinning.of(world, receivers, vertices, bound=bound, asked=asked, key=key)
     ends = off_surfaces(world, vertices, receivers)
     for first in range(0, len(vertices), VERTEX_CHUNK):
         chunk = slice(first, first + VERTEX_CHUNK)
-        yield (
-            vertices,
-            scanned_pairs(
-                world, receivers, vertices, chunk, bound=bound, thinning=thinning, off_surfaces=ends
-            ),
+        yield scanned_pairs(
+            world, receivers, vertices, chunk, bound=bound, thinning=thinning, off_surfaces=ends
         )
 
 
@@ -128,15 +125,11 @@ def _drawn(
     asked: float,
     key: np.uint64,
     tree: LightTree,
-) -> Iterator[tuple[ChainVertices, Pairs]]:
-    """Draw Lambertian lobes from the tree, and go through all vertices that have a Phong lobe."""
+) -> Iterator[Pairs]:
+    """Draw vertices from the tree."""
     thinning = Thinning.of(world, receivers, vertices, bound=bound, asked=asked, key=key)
     drawn = tree.draw(receivers, bound=bound, thinning=thinning)
-    yield vertices, drawn_pairs(world, receivers, vertices, drawn=drawn, bound=bound)
-    glossy = np.flatnonzero(with_phong_lobe(world, vertices))
-    if len(glossy):
-        lobes = vertices[glossy].with_lobes(SPECULAR_LOBE)
-        yield from _scanned(world, receivers, lobes, bound, asked, key)
+    yield drawn_pairs(world, receivers, vertices, drawn=drawn, bound=bound)
 
 
 def _gather(
