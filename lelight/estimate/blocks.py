@@ -146,8 +146,10 @@ class BlockWork:
 
     @cached_property
     def tree(self) -> LightTree | None:
-        """Tree of the vertices, where there are enough of them."""
-        return LightTree.of(self.site.world, self.vertices) if len(self.vertices) >= TREE_FROM else None
+        """Tree of the vertices, where there are enough of them and receivers ask some only."""
+        if len(self.vertices) < TREE_FROM or not self.site.variant.bounded:
+            return None
+        return LightTree.of(self.site.world, self.vertices)
 
     def _piece(self, receivers: Receivers) -> Batch:
         """Let chains, emitters and near surfaces light some receivers."""

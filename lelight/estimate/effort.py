@@ -39,7 +39,7 @@ TRIAL = (4, 2, 3)
 #: Chains that near paths of the trials end on, as power of two.
 LOG2_ENDS = 8
 #: A shadow ray of the pair kernel is coherent with its neighbours and has little beside it; others cost about so many
-#: times more, with all that is done for them (office: 0.11 and 0.75 µs, 0.6 for direct light).
+#: times more, with all that is done for them (office, near field: 0.11 and 0.54 µs).
 INCOHERENT_COST = 5.0
 #: What a vertex costs at a receiver without a ray, in such rays; and what the start of a chain costs that carries what
 #: a base lacks, for all receivers together (225 µs).

@@ -8,7 +8,7 @@ min(pi lobe G, b) for the Phong lobe; what is cut off comes from the receiver's 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -86,10 +86,12 @@ def local_estimate(
     kept: list[Arrivals] = []
     rays = 0
     angular = bool(np.any(receivers.degrees > 0))
+    thinning = Thinning.of(world, receivers, vertices, bound=bound, asked=asked, key=key)
     if tree is None:
-        chosen = _scanned(world, receivers, vertices, bound, asked, key)
+        chosen: Iterable[Pairs] = _scanned(world, receivers, vertices, bound, thinning)
     else:
-        chosen = _drawn(world, receivers, vertices, bound, asked, key, tree)
+        drawn = tree.draw(receivers, bound=bound, thinning=thinning)
+        chosen = [drawn_pairs(world, receivers, vertices, drawn=drawn, bound=bound)]
     for pairs in chosen:
         rays += len(pairs.vertex)
         clear = np.flatnonzero(world.caster.unblocked(pairs.origins, pairs.segments))
@@ -100,36 +102,15 @@ def local_estimate(
 
 
 def _scanned(
-    world: World,
-    receivers: Receivers,
-    vertices: ChainVertices,
-    bound: float,
-    asked: float,
-    key: np.uint64,
+    world: World, receivers: Receivers, vertices: ChainVertices, bound: float, thinning: Thinning
 ) -> Iterator[Pairs]:
     """Go through all vertices, some at a time."""
-    thinning = Thinning.of(world, receivers, vertices, bound=bound, asked=asked, key=key)
     ends = off_surfaces(world, vertices, receivers)
     for first in range(0, len(vertices), VERTEX_CHUNK):
         chunk = slice(first, first + VERTEX_CHUNK)
         yield scanned_pairs(
             world, receivers, vertices, chunk, bound=bound, thinning=thinning, off_surfaces=ends
         )
-
-
-def _drawn(
-    world: World,
-    receivers: Receivers,
-    vertices: ChainVertices,
-    bound: float,
-    asked: float,
-    key: np.uint64,
-    tree: LightTree,
-) -> Iterator[Pairs]:
-    """Draw vertices from the tree."""
-    thinning = Thinning.of(world, receivers, vertices, bound=bound, asked=asked, key=key)
-    drawn = tree.draw(receivers, bound=bound, thinning=thinning)
-    yield drawn_pairs(world, receivers, vertices, drawn=drawn, bound=bound)
 
 
 def _gather(
