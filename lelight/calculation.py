@@ -264,6 +264,8 @@ def _room_of_blocks(scene: Scene, settings: Settings, stage: Stage) -> float:
         channels=stage.world.channels,
         edge=stage.edge,
         allowed=allowed,
+        triangles=len(scene.triangles),
+        base_nodes=len(stage.base.locator) if stage.base is not None else 0,
     )
     return room_of_blocks(allowed, at_rest, settings.workers)
 

@@ -16,6 +16,8 @@ from lelight.harmonics.indices import terms
 SHARE_OF_FREE = 0.7
 #: Bytes at rest: program, libraries and a scene of some thousand triangles.
 AT_REST = 5.5e8
+#: Bytes of a triangle of the scene; of a node of the base field while that is solved, before the run is at its height.
+OF_TRIANGLE, OF_BASE_NODE = 1_000.0, 3_500.0
 #: Bytes of a receiver at the height of a run, and arrays of angular detail, of 8 bytes a number, that exist at once.
 OF_RECEIVER, ANGULAR_ARRAYS = 1_250.0, 6.0
 #: Bytes that a worker's block needs at least.
@@ -51,16 +53,26 @@ def allowed_memory(asked: float | None) -> float:
     return asked if asked is not None else SHARE_OF_FREE * free_memory()
 
 
-def memory_at_rest(receivers: float, detailed: float, *, degree: int, channels: int) -> float:
+def memory_at_rest(
+    receivers: float,
+    detailed: float,
+    *,
+    degree: int,
+    channels: int,
+    triangles: float = 0,
+    base_nodes: float = 0,
+) -> float:
     """Bytes of a run without the blocks under way.
 
     Parameters
     ----------
     receivers, detailed : how many there are, and how many of them keep angular detail
     degree : of that detail
+    triangles, base_nodes : of the scene; of the base field, where the scene's own triangles ask for many
     """
     detail = 8.0 * ANGULAR_ARRAYS * terms(degree) * channels
-    return AT_REST + OF_RECEIVER * receivers + detail * detailed
+    at_height = OF_RECEIVER * receivers + detail * detailed
+    return AT_REST + OF_TRIANGLE * triangles + max(at_height, OF_BASE_NODE * base_nodes)
 
 
 def room_of_blocks(allowed: float, at_rest: float, workers: int) -> float:
@@ -69,7 +81,16 @@ def room_of_blocks(allowed: float, at_rest: float, workers: int) -> float:
 
 
 def require_fitting(
-    name: str, receivers: int, detailed: int, *, degree: int, channels: int, edge: float, allowed: float
+    name: str,
+    receivers: int,
+    detailed: int,
+    *,
+    degree: int,
+    channels: int,
+    edge: float,
+    allowed: float,
+    triangles: int = 0,
+    base_nodes: int = 0,
 ) -> float:
     """Bytes at rest of a run, if they fit into what is allowed.
 
@@ -83,17 +104,20 @@ def require_fitting(
     SceneError
         where they do not, with the numbers and with what would fit
     """
-    needed = memory_at_rest(receivers, detailed, degree=degree, channels=channels)
+    needed = memory_at_rest(
+        receivers, detailed, degree=degree, channels=channels, triangles=triangles, base_nodes=base_nodes
+    )
+    fixed = AT_REST + OF_TRIANGLE * triangles
     if needed + LEAST_ROOM <= allowed:
         return needed
     what = f"{receivers} places"
     if detailed:
         what += f", {detailed} of them with harmonics of degree {degree},"
-    own = needed - AT_REST
-    left = allowed - AT_REST - LEAST_ROOM
+    own = needed - fixed
+    left = allowed - fixed - LEAST_ROOM
     text = f"{name}: {what} take {_told(needed)} of memory, {_told(allowed)} are allowed; "
     if left <= 0:
-        raise SceneError(f"{text}at least {_told(AT_REST + LEAST_ROOM)} are needed: raise --memory")
+        raise SceneError(f"{text}at least {_told(fixed + LEAST_ROOM)} are needed: raise --memory")
     # The places of a surface grow with the inverse square of the edge.
     raise SceneError(f"{text}--edge {edge * (own / left) ** 0.5:.2g} would fit, or raise --memory")
 

@@ -19,10 +19,12 @@ from lelight.estimate.direct import direct_light
 from lelight.estimate.nearfield import hemisphere_rays
 from lelight.estimate.paths import hashed_numbers
 from lelight.estimate.pathstate import Paths, chosen_paths, meet
+from lelight.mesh.enclosures import enclosures
 from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers, space_receivers, surface_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene, triangle_areas
 from lelight.tracing.chains import emission_chains, hash_of
+from lelight.tracing.rays import Hits
 from lelight.tracing.sampling import cosine_directions
 from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
@@ -31,6 +33,8 @@ from lelight.tracing.world import World
 LOG2_PILOT_CHAINS = 13
 #: Places on each side that the pilot walk did not visit, from which walks are sent out.
 PLACES_PER_SIDE = 4
+#: Rays from each place that tell whether it lies in a solid, as power of two.
+LOG2_LOOKS = 2
 #: Walks from a place or node, as power of two, and their longest.
 FEW_WALKS = (2, 32)
 #: Likewise, from nodes for which those found no light: the far end of a corridor is not the inside of a cupboard.
@@ -66,14 +70,57 @@ def lit_sides(
     lit = np.zeros((int(labels.max()) + 1, 2), dtype=np.bool_)
     vertices = emission_chains(world, Stretch.of(LOG2_PILOT_CHAINS), seed=(seed, 0))
     lit[labels[vertices.triangles], np.where(vertices.front, 0, 1)] = True
-    patches, sides = np.nonzero(~lit)
+    inner = _enclosed(scene, world, labels, seed)
+    patches, sides = np.nonzero(~lit & ~inner)
     if len(patches):
         places, owner = _places(scene, labels, patches, sides, seed)
+        outside = np.flatnonzero(~_within(world, places, labels, inner, seed))
+        places, owner = places[outside], owner[outside]
         reached = walks.reached(places, FEW_WALKS, (seed, 1))
         reached[~reached] = walks.seen_through_slits(places[~reached], (seed, 4))
         found = owner[reached]
         lit[patches[found], sides[found]] = True
     return lit & open_sides(world, labels)
+
+
+def _enclosed(scene: Scene, world: World, labels: IntArray, seed: int) -> BoolArray:
+    """Sides (n_patches, 2) that look into a closed solid.
+
+    A surface that cuts through itself may be turned inside out somewhere: from an inner side no ray gets out, none
+    meets the solid's outside, and half of them meet its inside. Others may meet what stands in the solid or touches it.
+    """
+    found = enclosures(scene)
+    count = int(labels.max()) + 1
+    inner = np.stack([np.bincount(labels, ~found.inner[:, side], count) == 0 for side in (0, 1)], axis=1)
+    patches, sides = np.nonzero(inner)
+    places, owner = _places(scene, labels, patches, sides, seed)
+    hits, place = _first_looks(world, places, seed)
+    side = owner[place]
+    solid = found.solid[np.unique(labels, return_index=True)[1][patches[side]]]
+    met = np.maximum(hits.triangle, 0)
+    own = (hits.triangle >= 0) & (found.solid[met] == solid)
+    within = found.inner[met, np.where(hits.front, 0, 1)]
+    out = np.bincount(side, (hits.triangle < 0) | (own & ~within), len(patches)) > 0
+    sound = ~out & (
+        2 * np.bincount(side, own & within, len(patches)) >= np.bincount(side, minlength=len(patches))
+    )
+    inner[patches[~sound], sides[~sound]] = False
+    return inner
+
+
+def _within(world: World, places: Receivers, labels: IntArray, inner: BoolArray, seed: int) -> BoolArray:
+    """Say which places (k,) lie within solids, as the foot of a book does in the board that it stands on."""
+    hits, place = _first_looks(world, places, seed)
+    walls = (hits.triangle >= 0) & inner[labels[hits.triangle], np.where(hits.front, 0, 1)]
+    return np.asarray(np.bincount(place, walls, len(places)) > 0)
+
+
+def _first_looks(world: World, places: Receivers, seed: int) -> tuple[Hits, IntArray]:
+    """Send a few rays from each place: what they meet, and from which place (k,) each went."""
+    origins, directions, place, _ = hemisphere_rays(
+        world, places, samples=Stretch.of(LOG2_LOOKS), seed=(seed, 6)
+    )
+    return world.caster.closest(origins, directions), place
 
 
 def open_sides(world: World, labels: IntArray) -> BoolArray:

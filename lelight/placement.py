@@ -35,6 +35,8 @@ CLEAR_SHARE_CHUNK = 1024
 #: Nodes of the mesh that the base field is solved on, about and at most, but for what the scene's own triangles ask.
 #: It is a draft: in an office of 115 000 nodes four times fewer for the base cost a tenth of variance.
 MOST_BASE_NODES = 1 << 15
+#: A coarser mesh for the base is worth its making below this share of the nodes there are.
+WORTH_COARSENING = 0.5
 
 
 @dataclass(frozen=True)
@@ -150,10 +152,9 @@ def solved_base(
     mesh = placed.mesh
     if len(mesh) > MOST_BASE_NODES:
         coarse = edge * (len(mesh) / MOST_BASE_NODES) ** 0.5
-        mesh = site.keep.once(
-            f"{name} mesh", lambda: _coarse_nodes(site, placed.lit, coarse), form_of(NodeMesh)
-        )
-        nodes = None
+        found = site.keep.once(f"{name} mesh", lambda: _coarse_nodes(site, placed, coarse), form_of(NodeMesh))
+        if len(found) < len(mesh):
+            mesh, nodes = found, None
     if nodes is None:
         nodes = joined([with_surface(space_receivers(mesh.positions, mesh.normals))])
         nodes = with_shared_clear_share(site, nodes, f"{name} clear share")
@@ -170,12 +171,14 @@ def solved_base(
     )
 
 
-def _coarse_nodes(site: Site, lit: BoolArray, edge: float) -> NodeMesh:
-    """Place nodes on sides (n_patches, 2) that are known to be lit, over longer edges than those of the result."""
+def _coarse_nodes(site: Site, placed: Placed, edge: float) -> NodeMesh:
+    """Place nodes on the same sides over longer edges; the nodes there are, where that would spare too few."""
     surface = graded(remesh(site.scene, site.labels, edge=edge), site.scene, site.labels)
+    if len(node_mesh(surface, placed.lit)) > WORTH_COARSENING * len(placed.mesh):
+        return placed.mesh
     # The pieces of this work are not kept: it takes seconds.
     unkept = replace(site, keep=Keeper(stop=site.keep.stop))
-    return _seen_nodes(unkept, surface, lit, "buried").mesh
+    return _seen_nodes(unkept, surface, placed.lit, "buried").mesh
 
 
 @dataclass(frozen=True)

@@ -133,6 +133,7 @@ def _require_room_for_mesh(scene: Scene, plan: Plan, edge: float, settings: Sett
         channels=plan.channels,
         edge=edge,
         allowed=allowed_memory(settings.memory),
+        triangles=len(scene.triangles),
     )
 
 

@@ -196,3 +196,24 @@ def test_a_node_in_the_plane_of_a_cupboard_s_front_steps_out_into_the_room():
     assert not mesh.hidden[floor & ~under].any()
     # The lamp shines past the front from its middle and past the sides from in front of them.
     assert field.illuminance[in_front].min() > 0.3 * field.illuminance[floor & ~under].mean()
+
+
+def test_solids_on_one_another_are_dark_without_a_walk(monkeypatch):
+    """A box on a box: no walk starts in them or between them, and the verdict is that of all walks."""
+    boxes = [solid((1.0, 1.0, 0.5), (2.0, 2.0, 0.2)), solid((0.6, 0.6, 0.5), (2.2, 2.2, 0.7))]
+    materials = [grey(name, 0.5) for name in "abc"]
+    scene = lit(box(ROOM), *boxes, materials=materials, luminaires=SOURCE)
+    asked = []
+    reached = pilot.reached_by_light
+
+    def counted(world, receivers, **options):
+        asked.append(receivers.points)
+        return reached(world, receivers, **options)
+
+    monkeypatch.setattr(pilot, "reached_by_light", counted)
+    found = prepared(scene)[2]
+    # Four backs of the room's walls, floor and ceiling are all that is asked.
+    x, y, z = np.concatenate(asked).T
+    assert not np.any((np.abs(x - 2.5) < 0.6) & (np.abs(y - 2.5) < 0.6) & (z > 1e-9) & (z < ROOM[2] - 1e-9))
+    monkeypatch.setattr(pilot, "_enclosed", lambda scene, world, labels, seed: np.zeros_like(found))
+    assert np.array_equal(found, prepared(scene)[2])

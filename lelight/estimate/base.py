@@ -14,6 +14,7 @@ from functools import partial
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from lelight.channels import luminance_weighted
@@ -29,12 +30,13 @@ from lelight.mesh.locate import Locator, interpolate
 from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.tracing.rays import Float32Array
 from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
 
 #: Rays of each node, as power of two: more make the draft smoother, and the batches' work lighter. Few nodes have the
 #: more, many the fewer, so that all of them together are at most so many.
-MOST_LOG2_RAYS, LEAST_LOG2_RAYS, LOG2_ALL_RAYS = 8, 6, 21
+MOST_LOG2_RAYS, LEAST_LOG2_RAYS, LOG2_ALL_RAYS = 8, 5, 21
 LOG2_DIRECT = 6
 #: The solution stops where this share of the direct light is left; steps of the solver, and starts anew.
 SETTLED = 1e-8
@@ -136,9 +138,7 @@ def solve_base(
         diffuse=world.reflectances.diffuse,
         materials=world.materials,
         spots=solved.spots,
-        guide=Guide.of(
-            solved.light, solved.sent.astype(np.float64), mesh.positions, mesh.normals, hidden=mesh.hidden
-        ),
+        guide=Guide.of(solved.light, solved.sent, mesh.positions, mesh.normals, hidden=mesh.hidden),
     )
 
 
@@ -147,14 +147,14 @@ class _Rows:
     """Direct light (r, C) of some nodes, and rows of the gathering operator: weights and nodes by row.
 
     Every node has `CELLS` rows, one for each cell of its guide; together they are what it gathers. Into each cell it
-    has sent (r, CELLS) rays.
+    has sent (r, CELLS) rays. Half the memory is enough for weights that rays have drawn.
     """
 
     direct: FloatArray
-    sent: IntArray
-    weights: FloatArray
-    nodes: IntArray
-    counts: IntArray
+    sent: NDArray[np.int32]
+    weights: Float32Array
+    nodes: NDArray[np.int32]
+    counts: NDArray[np.int32]
 
 
 @dataclass(frozen=True)
@@ -163,8 +163,8 @@ class _Solved:
 
     illuminance: FloatArray
     spots: bool
-    light: FloatArray
-    sent: IntArray
+    light: Float32Array
+    sent: NDArray[np.int32]
 
 
 def _solution(world: World, mesh: NodeMesh, parts: list[_Rows]) -> _Solved:
@@ -178,7 +178,7 @@ def _solution(world: World, mesh: NodeMesh, parts: list[_Rows]) -> _Solved:
     by_cell = _stacked(parts, len(mesh))
     reflected = albedo[mesh.materials]
     illuminance = _solved(_gathering(by_cell), direct, reflected)
-    light = by_cell @ luminance_weighted(reflected * illuminance)
+    light = by_cell @ luminance_weighted(reflected * illuminance).astype(np.float32)
     sent = np.concatenate([part.sent for part in parts])
     return _Solved(illuminance, spots, light.reshape(-1, CELLS), sent)
 
@@ -186,8 +186,13 @@ def _solution(world: World, mesh: NodeMesh, parts: list[_Rows]) -> _Solved:
 def _gathering(by_cell: csr_array) -> csr_array:
     """Add the rows of each node's cells up."""
     nodes = by_cell.shape[0] // CELLS
-    first = np.asarray(by_cell.indptr[::CELLS])
-    gathering = csr_array((by_cell.data, by_cell.indices, first), shape=(nodes, by_cell.shape[1]), copy=True)
+    # Copies: the sum is made in place.
+    weights, columns, first = (
+        by_cell.data.astype(np.float64),
+        by_cell.indices.copy(),
+        by_cell.indptr[::CELLS].copy(),
+    )
+    gathering = csr_array((weights, columns, first), shape=(nodes, by_cell.shape[1]))
     gathering.sum_duplicates()
     return gathering
 
@@ -210,10 +215,10 @@ def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray
     operator = csr_array((weights.ravel() / 2**log2_rays, (rows, nodes.ravel())), shape=shape)
     return _Rows(
         direct=direct[:, ILLUMINANCE],
-        sent=np.bincount(cell, minlength=shape[0]).reshape(-1, CELLS),
-        weights=operator.data,
-        nodes=operator.indices,
-        counts=np.diff(operator.indptr),
+        sent=np.bincount(cell, minlength=shape[0]).reshape(-1, CELLS).astype(np.int32),
+        weights=operator.data.astype(np.float32),
+        nodes=operator.indices.astype(np.int32),
+        counts=np.diff(operator.indptr).astype(np.int32),
     )
 
 

@@ -13,16 +13,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from lelight.compilation import LEAF
 from lelight.mesh.neighbours import Alike, alike
 from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.tracing.rays import Float32Array
 
 #: Cells across the number that gives the elevation, and across that of the azimuth.
 RINGS, SECTORS = 8, 8
 CELLS = RINGS * SECTORS
 #: Share of draws that do not care where light comes from.
 EVENLY = 0.2
+#: Places whose densities are found at once.
+PLACES_AT_ONCE = 8192
 #: Just below one.
 _LAST = math.nextafter(1.0, 0.0)
 
@@ -33,20 +37,20 @@ class Guide:
 
     Attributes
     ----------
-    density : (n, CELLS) float, of each cell over that of the cosine law; rows have mean 1
+    density : (n, CELLS) float32, of each cell over that of the cosine law; rows have mean 1
     places : where they hold, in the order of some of the rows
     rows : (m,) int, of the places
     """
 
-    density: FloatArray
+    density: Float32Array
     places: Alike
     rows: IntArray
 
     @classmethod
     def of(
         cls,
-        light: FloatArray,
-        rays: FloatArray,
+        light: Float32Array,
+        rays: NDArray[np.integer],
         points: FloatArray,
         normals: FloatArray,
         *,
@@ -64,31 +68,35 @@ class Guide:
         return np.asarray(self.rows[self.places.nearest(points, normals, 1)[:, 0]])
 
 
-def unguided() -> FloatArray:
+def unguided() -> Float32Array:
     """Densities of no place."""
-    return np.zeros((0, CELLS))
+    return np.zeros((0, CELLS), dtype=np.float32)
 
 
-def densities(light: FloatArray, rays: FloatArray, around: IntArray) -> FloatArray:
+def densities(light: Float32Array, rays: NDArray[np.integer], around: IntArray) -> Float32Array:
     """Densities (n, CELLS) by what few rays saw: places around share it, and so do cells with those beside them.
 
     Parameters
     ----------
     light : (n, CELLS) float, in any unit, that came through each cell
-    rays : (n, CELLS) float, how many went there; light that is the same everywhere leaves directions even
+    rays : (n, CELLS) int, how many went there; light that is the same everywhere leaves directions even
     around : (n, k) int, places that share what they saw
     """
-    sent = rays / rays.mean(axis=1, keepdims=True)
+    sent: Float32Array = (rays / rays.mean(axis=1, keepdims=True)).astype(np.float32)
     mean = light.mean(axis=1, keepdims=True)
     found = np.divide(light, mean, out=sent.copy(), where=mean > 0.0)
-    found, sent = _shared(found, around), _shared(sent, around)
-    bright = np.divide(found, sent, out=np.ones_like(found), where=sent > 0.0)
-    return np.asarray(EVENLY + (1.0 - EVENLY) * bright / bright.mean(axis=1, keepdims=True))
+    density = np.empty(sent.shape, dtype=np.float32)
+    for first in range(0, len(around), PLACES_AT_ONCE):
+        own = slice(first, first + PLACES_AT_ONCE)
+        shared, among = _shared(found, around[own]), _shared(sent, around[own])
+        bright = np.divide(shared, among, out=np.ones_like(shared), where=among > 0.0)
+        density[own] = EVENLY + (1.0 - EVENLY) * bright / bright.mean(axis=1, keepdims=True)
+    return density
 
 
-def _shared(values: FloatArray, around: IntArray) -> FloatArray:
-    """Average values (n, CELLS) over places around and cells beside each other."""
-    pooled = np.zeros_like(values, dtype=np.float64)
+def _shared(values: Float32Array, around: IntArray) -> FloatArray:
+    """Average values (n, CELLS) over places around (k, j) and cells beside each other: (k, CELLS)."""
+    pooled = np.zeros((len(around), CELLS))
     for column in around.T:
         pooled += values[column]
     grid = pooled.reshape(-1, RINGS, SECTORS) / around.shape[1]
@@ -109,7 +117,7 @@ def cells_of(numbers: FloatArray) -> IntArray:
 
 
 @njit(**LEAF)
-def guided(density: FloatArray, row: int, u: float, v: float) -> tuple[float, float, float]:
+def guided(density: Float32Array, row: int, u: float, v: float) -> tuple[float, float, float]:
     """Warp two uniform numbers to the densities of a row: the two, and the density there; no row changes nothing."""
     if row < 0:
         return u, v, 1.0

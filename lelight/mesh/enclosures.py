@@ -1,0 +1,97 @@
+"""Closed solids: pieces of the surface with an inside that light cannot enter.
+
+Books, boards and legs of furniture are closed, and half of a furnished scene's surface looks into them. Nobody has to
+walk in there to find that it is dark.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from lelight.mesh.patches import edge_pairs, weld
+from lelight.scene import BoolArray, FloatArray, IntArray, Scene
+
+#: Least volume of a solid, over the cube of its diagonal: what encloses less is a sheet.
+FLAT = 1e-9
+#: A point so near to the face of a box is on it, over the extent of the scene.
+ON_FACE = 1e-7
+
+
+@dataclass(frozen=True)
+class Enclosures:
+    """Closed solids that hold nothing.
+
+    Attributes
+    ----------
+    solid : (n_t,) int, piece of the surface that each triangle is part of
+    inner : (n_t, 2) bool; whether the triangle's front, back looks into a solid
+    """
+
+    solid: IntArray
+    inner: BoolArray
+
+
+def enclosures(scene: Scene) -> Enclosures:
+    """Find the pieces that are closed, hold no other piece and no lamp, do not emit and touch nothing that does.
+
+    Pieces hang together by edges that two of their triangles share, as corners are numbered in the file: boxes that
+    stand exactly on one another are boxes.
+    """
+    corners = scene.corners
+    best = Enclosures(np.arange(len(corners)), np.zeros((len(corners), 2), dtype=np.bool_))
+    for numbers in (np.arange(len(scene.vertices)), weld(scene.vertices)):
+        found = _closed(scene, numbers[scene.triangles])
+        if found.inner.sum() > best.inner.sum():
+            best = found
+    return best
+
+
+def _closed(scene: Scene, triangles: IntArray) -> Enclosures:
+    """Find them among triangles (n_t, 3) whose corners are numbered so."""
+    corners, count = scene.corners, len(triangles)
+    pairs = edge_pairs(triangles)
+    links = coo_array((np.ones(len(pairs.first), dtype=np.int8), pairs), shape=(count, count))
+    pieces, piece = connected_components(links, directed=False)
+    shared = np.bincount(pairs.first, minlength=count) + np.bincount(pairs.second, minlength=count)
+    closed = np.bincount(piece, shared != 3, pieces) == 0
+    low, high = np.full((pieces, 3), np.inf), np.full((pieces, 3), -np.inf)
+    np.minimum.at(low, piece, corners.min(axis=1))
+    np.maximum.at(high, piece, corners.max(axis=1))
+    local = corners - low[piece][:, None]
+    volumes = np.bincount(piece, np.linalg.det(local) / 6.0, pieces)
+    solid = closed & (np.abs(volumes) > FLAT * np.linalg.norm(high - low, axis=1) ** 3)
+    firsts = np.unique(piece, return_index=True)[1]
+    lamps = np.array([lamp.position for lamp in scene.luminaires]).reshape(-1, 3)
+    own = np.flatnonzero(solid)
+    solid[own] = ~_touched(low[own], high[own], scene)
+    own = np.flatnonzero(solid)
+    solid[own] = ~_holding(low[own], high[own], own, np.concatenate([corners[firsts, 0], lamps]))
+    inner = np.stack([volumes < 0.0, volumes > 0.0], axis=1) & solid[:, None]
+    return Enclosures(np.asarray(piece, dtype=np.int64), inner[piece])
+
+
+def _touched(low: FloatArray, high: FloatArray, scene: Scene) -> BoolArray:
+    """Mark boxes (k,) that the box of an emitting triangle touches."""
+    emitting = np.array([material.emits for material in scene.materials], dtype=np.bool_)
+    touched = np.zeros(len(low), dtype=np.bool_)
+    for triangle in scene.corners[emitting[scene.triangle_materials]]:
+        touched |= ((low <= triangle.max(axis=0)) & (high >= triangle.min(axis=0))).all(axis=1)
+    return touched
+
+
+def _holding(low: FloatArray, high: FloatArray, own: IntArray, points: FloatArray) -> BoolArray:
+    """Say which boxes (k,) hold a point (p, 3) other than their own, not on their faces only."""
+    margin = ON_FACE * float(np.linalg.norm(np.ptp(points, axis=0)))
+    around = cKDTree(points).query_ball_point(
+        0.5 * (low + high), 0.5 * (high - low).max(axis=1, initial=0.0), p=np.inf
+    )
+    holding = np.zeros(len(low), dtype=np.bool_)
+    for k, near in enumerate(around):
+        others = points[[p for p in near if p != own[k]]]
+        holding[k] = ((others > low[k] + margin) & (others < high[k] - margin)).all(axis=1).any()
+    return holding
