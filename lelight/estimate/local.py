@@ -20,7 +20,7 @@ from lelight.estimate.moments import add_arrival
 from lelight.estimate.pairs import Pairs, drawn_pairs, off_surfaces, scanned_pairs
 from lelight.estimate.thinning import Thinning
 from lelight.receivers import MOMENTS, Receivers
-from lelight.scene import FloatArray, IntArray
+from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import ChainVertices
 from lelight.tracing.reflection import Reflectances
 from lelight.tracing.world import World
@@ -94,22 +94,23 @@ def local_estimate(
         chosen = [drawn_pairs(world, receivers, vertices, drawn=drawn, bound=bound)]
     for pairs in chosen:
         rays += len(pairs.vertex)
-        clear = np.flatnonzero(world.caster.unblocked(pairs.origins, pairs.segments))
+        clear = world.caster.unblocked(pairs.origins, pairs.segments)
         _gather(moments, receivers, vertices, pairs, clear, world)
         if angular:
-            kept.append(_arrivals(receivers, vertices, pairs, clear, world))
+            kept.append(_arrivals(receivers, vertices, pairs, np.flatnonzero(clear), world))
     return LocalEstimate(moments, tuple(kept), rays)
 
 
 def _scanned(
     world: World, receivers: Receivers, vertices: ChainVertices, bound: float, thinning: Thinning
 ) -> Iterator[Pairs]:
-    """Go through all vertices, some at a time."""
+    """Go through all vertices, some at a time; the pairs hold until the next are asked for."""
     ends = off_surfaces(world, vertices, receivers)
+    room = Pairs.room_for(min(VERTEX_CHUNK, len(vertices)) * len(receivers))
     for first in range(0, len(vertices), VERTEX_CHUNK):
         chunk = slice(first, first + VERTEX_CHUNK)
         yield scanned_pairs(
-            world, receivers, vertices, chunk, bound=bound, thinning=thinning, off_surfaces=ends
+            world, receivers, vertices, chunk, bound=bound, thinning=thinning, off_surfaces=ends, room=room
         )
 
 
@@ -118,7 +119,7 @@ def _gather(
     receivers: Receivers,
     vertices: ChainVertices,
     pairs: Pairs,
-    clear: IntArray,
+    clear: BoolArray,
     world: World,
 ) -> None:
     _add_pairs(
@@ -140,7 +141,7 @@ def _gather(
 @njit(**LEAF)
 def _add_pairs(
     moments: FloatArray,
-    clear: IntArray,
+    clear: BoolArray,
     vertex: IntArray,
     receiver: IntArray,
     diffuse: FloatArray,
@@ -153,7 +154,9 @@ def _add_pairs(
     at_normals: FloatArray,
 ) -> None:
     """Sum the unblocked pairs into the moments (r, 6, C), in order of vertices."""
-    for k in clear:
+    for k in range(len(clear)):
+        if not clear[k]:
+            continue
         i, r = vertex[k], receiver[k]
         m = materials[i]
         wx, wy, wz = points[i, 0] - at[r, 0], points[i, 1] - at[r, 1], points[i, 2] - at[r, 2]

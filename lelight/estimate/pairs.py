@@ -67,6 +67,7 @@ def scanned_pairs(
     bound: float,
     thinning: Thinning,
     off_surfaces: tuple[Float32Array, Float32Array],
+    room: Pairs | None = None,
 ) -> Pairs:
     """Look at all pairs of the receivers and a chunk of the vertices, and keep those that can exchange light.
 
@@ -75,9 +76,10 @@ def scanned_pairs(
     Parameters
     ----------
     off_surfaces : what `off_surfaces` gives
+    room : written over, for as many pairs as there may be; memory that is new costs as much as what is done with it
     """
     number = np.arange(len(vertices))[chunk]
-    pairs = Pairs.room_for(len(number) * len(receivers))
+    pairs = room or Pairs.room_for(len(number) * len(receivers))
     starts, ends = off_surfaces
     count = _scan(
         number,
