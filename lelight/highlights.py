@@ -15,7 +15,7 @@ from numba import njit
 
 from lelight.compilation import COMPILED
 from lelight.estimate.paths import NUMBERS, rotated_numbers, step
-from lelight.estimate.pathstate import Paths
+from lelight.estimate.pathstate import Paths, unknown_rows
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import hash_of
 from lelight.tracing.emitters import Emitters
@@ -71,6 +71,7 @@ def highlights(
         triangles=np.zeros(len(number), dtype=np.int64),
         throughput=np.full((len(number), glossy_world.channels), 1.0 / len(table)),
         geometry=np.full(len(number), np.inf),
+        rows=unknown_rows(len(number)),
     )
     radiance = np.zeros((len(points), glossy_world.channels))
     met, _ = step(glossy_world, paths, bound=0.0, numbers=numbers, radiance=radiance, roulette=False)

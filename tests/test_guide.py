@@ -15,10 +15,15 @@ from verdicts import same_mean
 
 from lelight.channels import luminance_weighted
 from lelight.checkpoint.keeper import Keeper
+from lelight.estimate import nearfield
+from lelight.estimate.chainwalk import chain_vertices
 from lelight.estimate.effort import bound_for
 from lelight.estimate.guide import CELLS, EVENLY, RINGS, SECTORS, cells_of, densities, guided, unguided
 from lelight.estimate.nearfield import near_field
+from lelight.estimate.pathends import PathEnds
+from lelight.estimate.paths import reflected_radiance
 from lelight.estimate.turns import Turn
+from lelight.estimate.variants import VARIANTS
 from lelight.preparation import prepare
 from lelight.reading.loading import load
 from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
@@ -95,9 +100,12 @@ def corridor():
     return stage, stage.receivers[np.flatnonzero(~stage.mesh.hidden)[::20]]
 
 
-def gathered(stage, receivers, guide, *, bound, log2_rays):
-    """Illuminance (REPLICATES, k) by the base below a bound and paths above it."""
-    base, found = replace(stage.base, guide=guide), []
+def gathered(stage, receivers, guide, *, bound, log2_rays, ends_at=None):
+    """Illuminance (REPLICATES, k) by the base below a bound and paths above it, which may end at another bound."""
+    base, found, ends = replace(stage.base, guide=guide), [], None
+    if ends_at is not None:
+        vertices = chain_vertices(stage.world, base, Stretch.of(8), VARIANTS["base"], seed=(0, 99, 1))
+        ends = PathEnds.of(stage.world, base, vertices, ends_at)
     for k in range(REPLICATES):
         moments, _, _ = near_field(
             stage.world,
@@ -106,6 +114,7 @@ def gathered(stage, receivers, guide, *, bound, log2_rays):
             together=(Turn.of_all(Stretch.of(log2_rays), len(receivers)),),
             seed=(0, k if guide else REPLICATES + k, 3),
             base=base,
+            ends=ends,
         )
         found.append(luminance_weighted(moments[:, ILLUMINANCE]))
     return np.array(found)
@@ -129,6 +138,21 @@ def test_led_rays_scatter_half_as_much_in_a_corridor():
     )
     relative = led.var(axis=0) / unled.mean(axis=0) ** 2
     assert np.mean(relative) < 0.5 * np.mean(unled.var(axis=0) / unled.mean(axis=0) ** 2)
+
+
+def test_paths_are_led_on_from_the_surfaces_that_they_meet(monkeypatch):
+    """Where only the rays from the receivers are led, what paths bring scatters more."""
+    stage, receivers = corridor()
+    effort = {"bound": 0.0, "log2_rays": 4, "ends_at": 0.2}
+    led = gathered(stage, receivers, stage.base.guide, **effort)
+
+    def not_led_on(*given, guide, **options):
+        return reflected_radiance(*given, guide=None, **options)
+
+    monkeypatch.setattr(nearfield, "reflected_radiance", not_led_on)
+    first_only = gathered(stage, receivers, stage.base.guide, **effort)
+    mean = 0.5 * (led.mean(axis=0) + first_only.mean(axis=0))
+    assert np.mean(led.var(axis=0) / mean**2) < 0.8 * np.mean(first_only.var(axis=0) / mean**2)
 
 
 def test_a_place_without_any_node_around_is_not_led():

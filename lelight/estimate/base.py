@@ -20,7 +20,7 @@ from scipy.sparse import csr_array
 from lelight.channels import luminance_weighted
 from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import form_of
-from lelight.compilation import LEAF
+from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.cells import Cells
 from lelight.estimate.direct import direct_light
 from lelight.estimate.gmres import gmres
@@ -80,11 +80,26 @@ class BaseField:
         nodes, weights = self.locator.find(points, self.labels[triangles], np.where(front, 1, -1))
         return interpolate(self.illuminance, nodes, weights)
 
-    def luminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
-        """Tell what the Lambertian lobes make of it (k, C), cd/m²."""
-        light = self.illuminance_at(triangles, points, front)
+    def luminance_at(
+        self, triangles: IntArray, points: FloatArray, front: BoolArray
+    ) -> tuple[FloatArray, IntArray]:
+        """Tell what the Lambertian lobes make of it (k, C), cd/m², and the node (k,) of most weight, -1 if none."""
+        nodes, weights = self.locator.find(points, self.labels[triangles], np.where(front, 1, -1))
+        light = interpolate(self.illuminance, nodes, weights)
         _reflect(light, self.diffuse, self.materials, triangles)
-        return light
+        return light, _heaviest(nodes, weights)
+
+
+@njit(**COMPILED)
+def _heaviest(nodes: IntArray, weights: FloatArray) -> IntArray:
+    """Node (k,) with the largest weight of each three (k, 3), -1 where none has any."""
+    heaviest = np.full(len(nodes), -1, dtype=np.int64)
+    for k in range(len(nodes)):
+        most = 0.0
+        for corner in range(3):
+            if weights[k, corner] > most:
+                most, heaviest[k] = weights[k, corner], nodes[k, corner]
+    return heaviest
 
 
 @njit(**LEAF)

@@ -299,7 +299,7 @@ def _emit_base(
     """Let the base's Lambertian radiance shine: origins, directions and flux over probability."""
     drawn, _ = starts.draw(numbers[:, :3])
     start = _standing(world, drawn)
-    luminance = base.luminance_at(start.triangles, start.points, start.front)
+    luminance, _ = base.luminance_at(start.triangles, start.points, start.front)
     directions = cosine_directions(numbers[:, 3:5], start.normals)
     origins = world.caster.leave(start.points, start.normals)
     return origins, directions, math.pi * luminance * drawn.area[:, None]

@@ -65,19 +65,22 @@ def near_field(
     guide = base.guide if base is not None else None
     directions, solid_angle = _directions(receivers, receiver, numbers, guide)
     paths = _first_surfaces(world, receivers, receiver, directions)
+    below = None
+    if base is not None:
+        below, paths = bounded_base(world, base, paths, bound)
     near = np.flatnonzero(list_near(world.reflectances, paths.materials, paths.geometry, bound))
-    gathered, paths = paths, chosen_paths(paths, near)
     radiance, rays = reflected_radiance(
         world,
-        paths,
+        chosen_paths(paths, near),
         bound=bound,
-        numbers=numbers[paths.number, 2:],
+        numbers=numbers[paths.number[near], 2:],
         identity=receivers.identity[receiver] * MOST_SAMPLES + sample,
         key=hash_of((*seed, 1)),
         ends=ends,
+        guide=guide,
     )
-    if base is not None:
-        radiance[gathered.number] += bounded_base(world, base, gathered, bound)
+    if below is not None:
+        radiance[paths.number] += below
     lit = np.flatnonzero(radiance.any(axis=1))
     weight = (solid_angle * share)[lit, None]
     arrivals = Arrivals(receiver[lit], directions[lit], radiance[lit] * weight)

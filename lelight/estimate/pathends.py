@@ -8,7 +8,7 @@ vertex, drawn by its flux; only what lies above the bound is left for the path t
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -43,8 +43,10 @@ class SurfaceLuminance(Protocol):
     def guide(self) -> Guide | None:
         """Where light comes from at receivers, if that is known."""
 
-    def luminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
-        """Luminance (k, C) in cd/m² of points (k, 3) on sides of triangles (k,)."""
+    def luminance_at(
+        self, triangles: IntArray, points: FloatArray, front: BoolArray
+    ) -> tuple[FloatArray, IntArray]:
+        """Luminance (k, C) in cd/m² of points (k, 3) on sides of triangles (k,), and the guide's row (k,) there."""
 
 
 @dataclass(frozen=True)
@@ -96,12 +98,17 @@ def path_bound(world: World, vertices: ChainVertices) -> float:
     return STRONGEST * math.pi * sent / (world.area * max(reflected, LEAST_LACK * sent))
 
 
-def bounded_base(world: World, base: SurfaceLuminance, paths: Paths, bound: float) -> FloatArray:
-    """Take the base's luminance (k, C) times the share of the kernel below the bound, min(1, b/G)."""
+def bounded_base(
+    world: World, base: SurfaceLuminance, paths: Paths, bound: float
+) -> tuple[FloatArray, Paths]:
+    """Take the base's luminance (k, C) times the share of the kernel below the bound, min(1, b/G).
+
+    The paths come back with their rows of the base's guide.
+    """
     front = _fronts(paths.normals, world.normals, paths.triangles)
-    luminance = base.luminance_at(paths.triangles, paths.points, front)
+    luminance, rows = base.luminance_at(paths.triangles, paths.points, front)
     _keep_below(luminance, paths.geometry, bound)
-    return luminance
+    return luminance, replace(paths, rows=rows)
 
 
 @njit(**COMPILED)

@@ -15,11 +15,13 @@ import numpy as np
 from numba import njit
 
 from lelight.compilation import LEAF
+from lelight.estimate.guide import Guide, guided, unguided
 from lelight.estimate.pathends import END_NUMBERS, PathEnds, add_drawn_vertices, bounded_base, taken_up
 from lelight.estimate.pathlight import add_drawn_sources, add_met_emitters
 from lelight.estimate.pathstate import Paths, chosen_paths, kernel_between, meet
 from lelight.estimate.split import above, lobe_probability, lobe_shares
 from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.tracing.rays import Float32Array
 from lelight.tracing.reflection import Reflectances, lobe, lobe_density
 from lelight.tracing.sampling import (
     cosine_direction,
@@ -48,6 +50,7 @@ def reflected_radiance(
     identity: IntArray,
     key: np.uint64,
     ends: PathEnds | None = None,
+    guide: Guide | None = None,
 ) -> tuple[FloatArray, int]:
     """Radiance (k, C) in cd/m² that paths bring to the rays they started as, and the rays traced.
 
@@ -58,6 +61,7 @@ def reflected_radiance(
     numbers : (len(paths), NUMBERS + END_NUMBERS) float in [0, 1), for the first surface
     identity : (k,) int, of the rays; with ``key`` it gives the random numbers of later surfaces
     ends : what paths end on; without it they go on until they are absorbed
+    guide : leads Lambertian reflection where paths know their row of it
     """
     radiance = np.zeros((len(identity), world.channels))
     rays = 0
@@ -68,17 +72,27 @@ def reflected_radiance(
             rays += add_drawn_vertices(world, paths, ends, bound, numbers[:, NUMBERS:], radiance)
         if not len(paths.number):
             break
-        paths, traced = step(world, paths, bound=bound, numbers=numbers, radiance=radiance, roulette=True)
+        paths, traced = step(
+            world, paths, bound=bound, numbers=numbers, radiance=radiance, roulette=True, guide=guide
+        )
         rays += traced
         bound = 0.0 if ends is None else ends.bound
         if ends is not None:
-            radiance[paths.number] += paths.throughput * bounded_base(world, ends.base, paths, bound)
+            below, paths = bounded_base(world, ends.base, paths, bound)
+            radiance[paths.number] += paths.throughput * below
         numbers = hashed_numbers(key, identity[paths.number], depth + 1)
     return radiance, rays
 
 
 def step(
-    world: World, paths: Paths, *, bound: float, numbers: FloatArray, radiance: FloatArray, roulette: bool
+    world: World,
+    paths: Paths,
+    *,
+    bound: float,
+    numbers: FloatArray,
+    radiance: FloatArray,
+    roulette: bool,
+    guide: Guide | None = None,
 ) -> tuple[Paths, int]:
     """Light each path's surface directly, add it to ``radiance`` (k, C), and go on to the next surface.
 
@@ -89,7 +103,7 @@ def step(
     rays : int
     """
     rays = add_drawn_sources(world, paths, bound, numbers, radiance)
-    origins, directions, throughput, density, going = _go_on(world, paths, bound, numbers, roulette)
+    origins, directions, throughput, density, going = _go_on(world, paths, bound, numbers, roulette, guide)
     met, kept = meet(world, paths.number[going], origins, directions, throughput)
     left = going[kept]
     if density.any():
@@ -127,7 +141,7 @@ def rotated_numbers(table: FloatArray, key: np.uint64, identity: IntArray, out: 
 
 
 def _go_on(
-    world: World, paths: Paths, bound: float, numbers: FloatArray, roulette: bool
+    world: World, paths: Paths, bound: float, numbers: FloatArray, roulette: bool, guide: Guide | None
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray]:
     """Reflect paths: origins, directions, throughput and lobe density of those that go on, named last."""
     directions = np.empty_like(paths.points)
@@ -145,6 +159,8 @@ def _go_on(
         numbers,
         world.emitters.weights,
         roulette,
+        paths.rows,
+        guide.density if guide is not None else unguided(),
         directions,
         throughput,
         density,
@@ -167,6 +183,8 @@ def _reflect_back(
     numbers: FloatArray,
     weights: FloatArray,
     roulette: bool,
+    rows: IntArray,
+    density_by_cell: Float32Array,
     directions: FloatArray,
     onward: FloatArray,
     density: FloatArray,
@@ -180,8 +198,11 @@ def _reflect_back(
         if p_diffuse < 0.0:
             continue
         nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
+        lead = 1.0
         if numbers[k, 3] < p_diffuse:
-            x, y, z = cosine_direction(numbers[k, 4], numbers[k, 5])
+            row = rows[k] if len(density_by_cell) > 0 else -1
+            u, v, lead = guided(density_by_cell, row, numbers[k, 4], numbers[k, 5])
+            x, y, z = cosine_direction(u, v)
             dx, dy, dz = to_axis(x, y, z, nx, ny, nz)
             for c in range(channels):
                 onward[k, c] = throughput[k, c] * reflectances.diffuse[m, c] * share_d / p_diffuse
@@ -202,8 +223,9 @@ def _reflect_back(
             carried += weights[c] * onward[k, c]
         if not carried > 0.0:
             continue
+        # Where light is expected a led path carries less for it, and is as good.
         survival = min(1.0, carried / LEAST_THROUGHPUT) if roulette else 1.0
         if numbers[k, 6] < survival:
             going[k] = True
             for c in range(channels):
-                onward[k, c] /= survival
+                onward[k, c] /= survival * lead

@@ -24,6 +24,7 @@ class Paths:
     materials, triangles : (k,) int
     throughput : (k, C) float
     geometry : (k,) float, 1/m²; G between the surface and the point looked from, inf where nothing is split
+    rows : (k,) int, of the guide at the surface, -1 where none is known
     """
 
     number: IntArray
@@ -34,14 +35,24 @@ class Paths:
     triangles: IntArray
     throughput: FloatArray
     geometry: FloatArray
+    rows: IntArray
 
     @classmethod
     def at(cls, points: FloatArray, normals: FloatArray, *, channels: int) -> Paths:
         """Stand at surface points (k, 3) whose material does not matter, looking along the normals."""
         none = np.zeros(len(points), dtype=np.int64)
         ones = np.ones((len(points), channels))
+        split = np.full(len(points), np.inf)
         return cls(
-            np.arange(len(points)), points, normals, normals, none, none, ones, np.full(len(points), np.inf)
+            np.arange(len(points)),
+            points,
+            normals,
+            normals,
+            none,
+            none,
+            ones,
+            split,
+            unknown_rows(len(points)),
         )
 
 
@@ -60,8 +71,14 @@ def meet(
         triangles=hits.triangle,
         throughput=throughput,
         geometry=np.full(len(number), np.inf),
+        rows=unknown_rows(len(number)),
     )
     return chosen_paths(paths, kept), kept
+
+
+def unknown_rows(count: int) -> IntArray:
+    """Rows (count,) of the guide where none is known."""
+    return np.full(count, -1, dtype=np.int64)
 
 
 def chosen_paths(paths: Paths, kept: IntArray) -> Paths:
@@ -78,6 +95,7 @@ def chosen_paths(paths: Paths, kept: IntArray) -> Paths:
             paths.triangles,
             paths.throughput,
             paths.geometry,
+            paths.rows,
             kept,
         )
     )
@@ -93,17 +111,20 @@ def _chosen(
     triangles: IntArray,
     throughput: FloatArray,
     geometry: FloatArray,
+    rows: IntArray,
     kept: IntArray,
-) -> tuple[IntArray, FloatArray, FloatArray, FloatArray, IntArray, IntArray, FloatArray, FloatArray]:
+) -> tuple[
+    IntArray, FloatArray, FloatArray, FloatArray, IntArray, IntArray, FloatArray, FloatArray, IntArray
+]:
     """Copy the rows of paths that are kept; one call, since paths are thinned out at every surface."""
     count, channels = len(kept), throughput.shape[1]
     out_number, out_geometry = np.empty(count, dtype=np.int64), np.empty(count)
     out_materials, out_triangles = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     out_points, out_normals, out_outgoing = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3))
-    out_throughput = np.empty((count, channels))
+    out_throughput, out_rows = np.empty((count, channels)), np.empty(count, dtype=np.int64)
     for k in range(count):
         own = kept[k]
-        out_number[k], out_geometry[k] = number[own], geometry[own]
+        out_number[k], out_geometry[k], out_rows[k] = number[own], geometry[own], rows[own]
         out_materials[k], out_triangles[k] = materials[own], triangles[own]
         for axis in range(3):
             out_points[k, axis] = points[own, axis]
@@ -120,6 +141,7 @@ def _chosen(
         out_triangles,
         out_throughput,
         out_geometry,
+        out_rows,
     )
 
 
