@@ -97,15 +97,28 @@ def test_pairs_beside_bare_shadow_rays():
 
 
 def test_two_threads_beside_one():
+    """No more can be had than bare rays gain on the machine."""
     world, vertices = stage().world, vertices_of(7, 1)
     blocks = [neighbours(first) for first in range(0, 6 * RECEIVERS, RECEIVERS)]
+    rays = [shadow_rays(own, vertices) for own in blocks]
 
-    def by_threads(threads: int) -> None:
-        with ThreadPoolExecutor(threads) as executor:
-            list(executor.map(lambda own: local_estimate(world, own, vertices=vertices, bound=BOUND), blocks))
+    def pairs(own: Receivers) -> None:
+        local_estimate(world, own, vertices=vertices, bound=BOUND)
 
-    one, two = interleaved(lambda: by_threads(1), lambda: by_threads(2), clock=time.perf_counter)
-    print(f"\ntwo threads: {one / two:.2f} times as fast as one")
+    def bare(own: list[tuple[np.ndarray, np.ndarray]]) -> None:
+        for each in own:
+            world.caster.unblocked(*each)
+
+    def by_threads(work: Callable[..., None], parts: list, threads: int) -> Callable[[], None]:
+        def run() -> None:
+            with ThreadPoolExecutor(threads) as executor:
+                list(executor.map(work, parts))
+
+        return run
+
+    works = [by_threads(*work, threads) for work in ((pairs, blocks), (bare, rays)) for threads in (1, 2)]
+    one, two, bare_one, bare_two = interleaved(*works, clock=time.perf_counter)
+    print(f"\ntwo threads: {one / two:.2f} times as fast as one, bare rays {bare_one / bare_two:.2f}")
 
 
 def test_vertices_times_64():

@@ -57,6 +57,17 @@ def test_what_does_not_fit_is_refused_with_what_would():
         require_fitting("hall", 10, 0, **options, allowed=1e8)
 
 
+def test_triangles_and_a_base_on_very_many_nodes_take_memory_too():
+    """The base is gone before the run is at its height: the larger of the two counts."""
+    few = memory_at_rest(1_000, 0, degree=0, channels=1, triangles=1_000)
+    assert memory_at_rest(1_000, 0, degree=0, channels=1, triangles=300_000) == few + 2.99e8
+    large = memory_at_rest(450_000, 0, degree=0, channels=1, base_nodes=450_000)
+    assert large == memory_at_rest(0, 0, degree=0, channels=1, base_nodes=450_000) > 2e9
+    whole = {"degree": 0, "channels": 1, "edge": 1.0, "triangles": 300_000, "base_nodes": 450_000}
+    with pytest.raises(SceneError, match=r"450000 places take 2\.4 GB of memory, 2 GB are allowed"):
+        require_fitting("hall", 450_000, 0, **whole, allowed=2e9)
+
+
 def test_less_room_changes_no_bit(tmp_path, monkeypatch):
     scene = load(write_room(tmp_path, toml=ROOM_TOML))
     settings = Settings(edge=0.25, target=0.2, batches=8, threads=2)
