@@ -30,6 +30,8 @@ from lelight.settings import Settings
 
 #: Edge of the pilot's mesh against the wanted one, its replicates and the target that sizes them.
 PILOT_EDGE, PILOT_BATCHES, PILOT_TARGET = 2.5, 8, 0.05
+#: A mesh of so many vertices takes long whatever its edge, and tells enough in two replicates.
+MANY_VERTICES, FEW_BATCHES = 50_000, 2
 #: Pixels across the picture that tells how long pictures take.
 PILOT_PIXELS = 64
 #: Power of the receivers with which preparing grows, measured in the sphere from 642 to 16 482 nodes.
@@ -149,15 +151,16 @@ def pilot_run(scene: Scene, settings: Settings) -> tuple[Pilot, Calculation]:
     settings = settings.over(scene.settings)
     wanted = settings.edge or default_edge(scene) * settings.edge_scale
     edge = PILOT_EDGE * wanted
-    few = replace(settings, edge=edge, target=PILOT_TARGET, time=None, batches=PILOT_BATCHES, adaptive=False)
-    # What the scene file asks for is in the settings already, and would win over what is None here.
-    begun, worked = perf_counter(), process_time()
-    run = calculate(replace(scene, settings={}), few)
-    pace = (process_time() - worked) / max(perf_counter() - begun, 1e-3)
     labels = patches(scene)
     coarse, fine = (
         len(graded(remesh(scene, labels, edge=e), scene, labels).vertices) for e in (edge, wanted)
     )
+    batches = PILOT_BATCHES if coarse < MANY_VERTICES else FEW_BATCHES
+    few = replace(settings, edge=edge, target=PILOT_TARGET, time=None, batches=batches, adaptive=False)
+    # What the scene file asks for is in the settings already, and would win over what is None here.
+    begun, worked = perf_counter(), process_time()
+    run = calculate(replace(scene, settings={}), few)
+    pace = (process_time() - worked) / max(perf_counter() - begun, 1e-3)
     per_area = max(fine - coarse, 0) / (wanted**-2 - edge**-2)
     receivers = len(run.replicates.direct)
     spent = run.seconds
