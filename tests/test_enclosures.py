@@ -60,3 +60,17 @@ def test_what_is_no_solid():
         (vertices, triangles), outward((1.0, 1.0, 1.0), (2.0, 1.0, 0.5)), luminances=(0.0, 10.0)
     )
     assert not beside.any()
+
+
+def test_many_boxes_and_many_lamps(monkeypatch):
+    """Looked at together and in small lots: the same answer."""
+    boxes = [outward((0.2, 0.2, 0.2), (0.5 + 0.3 * k, 1.0, 0.5)) for k in range(12)]
+    lamps = [outward((0.1, 0.1, 0.1), (0.5 + 0.3 * k, 3.0, 2.0)) for k in range(6)]
+    luminances = (0.0,) * 12 + (10.0,) * 6
+    expected = inner_of(*boxes, *lamps, luminances=luminances)
+    assert expected[:144, 1].all() and not expected[144:].any()
+    monkeypatch.setattr("lelight.mesh.enclosures.MOST_EMITTING", 10)
+    monkeypatch.setattr("lelight.mesh.enclosures.AT_ONCE", 5)
+    assert np.array_equal(inner_of(*boxes, *lamps, luminances=luminances), expected)
+    monkeypatch.setattr("lelight.mesh.enclosures.CROWDED", -1)
+    assert not inner_of(*boxes, *lamps, luminances=luminances).any()

@@ -223,7 +223,7 @@ def _reflect_back(
             carried += weights[c] * onward[k, c]
         if not carried > 0.0:
             continue
-        # Where light is expected a led path carries less for it, and is as good.
+        # By what it carries before it is led: where light is expected it carries less for that, and is as good.
         survival = min(1.0, carried / LEAST_THROUGHPUT) if roulette else 1.0
         if numbers[k, 6] < survival:
             going[k] = True

@@ -20,6 +20,10 @@ from lelight.scene import BoolArray, FloatArray, IntArray, Scene
 FLAT = 1e-9
 #: A point so near to the face of a box is on it, over the extent of the scene.
 ON_FACE = 1e-7
+#: Emitting triangles that are looked at one by one; of more, those of a piece are taken together.
+MOST_EMITTING = 1024
+#: Boxes with so many points around are taken to hold one; boxes that are asked at once.
+CROWDED, AT_ONCE = 1024, 1024
 
 
 @dataclass(frozen=True)
@@ -68,30 +72,45 @@ def _closed(scene: Scene, triangles: IntArray) -> Enclosures:
     firsts = np.unique(piece, return_index=True)[1]
     lamps = np.array([lamp.position for lamp in scene.luminaires]).reshape(-1, 3)
     own = np.flatnonzero(solid)
-    solid[own] = ~_touched(low[own], high[own], scene)
+    solid[own] = ~_touched(low[own], high[own], *_emitting_boxes(scene, piece))
     own = np.flatnonzero(solid)
     solid[own] = ~_holding(low[own], high[own], own, np.concatenate([corners[firsts, 0], lamps]))
     inner = np.stack([volumes < 0.0, volumes > 0.0], axis=1) & solid[:, None]
     return Enclosures(np.asarray(piece, dtype=np.int64), inner[piece])
 
 
-def _touched(low: FloatArray, high: FloatArray, scene: Scene) -> BoolArray:
-    """Mark boxes (k,) that the box of an emitting triangle touches."""
-    emitting = np.array([material.emits for material in scene.materials], dtype=np.bool_)
+def _emitting_boxes(scene: Scene, piece: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Lower and upper corners (e, 3) of boxes around all triangles that emit."""
+    emits = np.array([material.emits for material in scene.materials], dtype=np.bool_)
+    own = np.flatnonzero(emits[scene.triangle_materials])
+    low, high = scene.corners[own].min(axis=1), scene.corners[own].max(axis=1)
+    if len(own) <= MOST_EMITTING:
+        return low, high
+    own = own[np.argsort(piece[own], kind="stable")]
+    first = np.unique(piece[own], return_index=True)[1]
+    corners = scene.corners[own]
+    return np.minimum.reduceat(corners.min(axis=1), first), np.maximum.reduceat(corners.max(axis=1), first)
+
+
+def _touched(low: FloatArray, high: FloatArray, least: FloatArray, most: FloatArray) -> BoolArray:
+    """Mark boxes (k,) that touch one of others (e,)."""
     touched = np.zeros(len(low), dtype=np.bool_)
-    for triangle in scene.corners[emitting[scene.triangle_materials]]:
-        touched |= ((low <= triangle.max(axis=0)) & (high >= triangle.min(axis=0))).all(axis=1)
+    for lower, upper in zip(least, most, strict=True):
+        touched |= ((low <= upper) & (high >= lower)).all(axis=1)
     return touched
 
 
 def _holding(low: FloatArray, high: FloatArray, own: IntArray, points: FloatArray) -> BoolArray:
     """Say which boxes (k,) hold a point (p, 3) other than their own, not on their faces only."""
     margin = ON_FACE * float(np.linalg.norm(np.ptp(points, axis=0)))
-    around = cKDTree(points).query_ball_point(
-        0.5 * (low + high), 0.5 * (high - low).max(axis=1, initial=0.0), p=np.inf
-    )
-    holding = np.zeros(len(low), dtype=np.bool_)
-    for k, near in enumerate(around):
-        others = points[[p for p in near if p != own[k]]]
-        holding[k] = ((others > low[k] + margin) & (others < high[k] - margin)).all(axis=1).any()
+    middle, reach = 0.5 * (low + high), 0.5 * (high - low).max(axis=1, initial=0.0)
+    tree = cKDTree(points)
+    holding = np.asarray(tree.query_ball_point(middle, reach, p=np.inf, return_length=True) > CROWDED)
+    few = np.flatnonzero(~holding)
+    for chunk in np.array_split(few, range(AT_ONCE, len(few), AT_ONCE)):
+        around = tree.query_ball_point(middle[chunk], reach[chunk], p=np.inf)
+        box = np.repeat(chunk, [len(near) for near in around])
+        point = np.array([number for near in around for number in near], dtype=np.int64)
+        held = ((points[point] > low[box] + margin) & (points[point] < high[box] - margin)).all(axis=1)
+        holding[box[held & (point != own[box])]] = True
     return holding
