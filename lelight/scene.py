@@ -213,6 +213,17 @@ class Scene:
         return np.asarray(self.vertices[self.triangles])
 
     @property
+    def emitting(self) -> BoolArray:
+        """(n_t,) bool: triangles whose material emits."""
+        emits = np.array([material.emits for material in self.materials], dtype=np.bool_)
+        return np.asarray(emits[self.triangle_materials])
+
+    @property
+    def lamp_positions(self) -> FloatArray:
+        """(n, 3) float, m: where the luminaires are."""
+        return np.array([lamp.position for lamp in self.luminaires]).reshape(-1, 3)
+
+    @property
     def diagonal(self) -> float:
         """Length in m of the diagonal of the bounding box of all that is used."""
         used = self.vertices[np.unique(self.triangles)]

@@ -22,6 +22,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TypeVar
 
 import mitsuba as mi
 import numpy as np
@@ -35,6 +36,8 @@ from lelight.comparison import of_estimates, sidak_level
 from lelight.reading.loading import load
 from lelight.scene import FloatArray, IntArray, Scene
 from lelight.settings import Settings
+
+Found = TypeVar("Found")
 
 PLACES, ROUNDS = 300, 3
 #: Coordinates in m from which on places are moved to the origin for the reference; most nodes for Radiance.
@@ -101,7 +104,7 @@ def agreement(run: Calculation, nodes: IntArray, expected: FloatArray, error: Fl
     )
 
 
-def timed(work: Callable[[], FloatArray]) -> tuple[FloatArray, float, float]:
+def timed(work: Callable[[], Found]) -> tuple[Found, float, float]:
     """Do it, and take CPU seconds, of other processes too, and wall seconds."""
     cpu, wall = _cpu_seconds(), time.perf_counter()
     found = work()
@@ -125,13 +128,11 @@ def side_by_side(name: str, target: float, rounds: int, folder: Path) -> dict[st
     """Print what each program does with a scene: medians by program. The first run is the first round's."""
     scene = scene_for(name, folder)
     settings = replace(Settings().over(scene.settings), target=target)
-    cpu, wall = _cpu_seconds(), time.perf_counter()
-    run = calculate(scene, settings)
-    first = run.replicates.mean, _cpu_seconds() - cpu, time.perf_counter() - wall
+    run, *spent = timed(lambda: calculate(scene, settings))
     nodes = places_of(run)
     expected, error = reference(scene, run, nodes)
     print(f"{name}: {agreement(run, nodes, expected, error)}", flush=True)
-    mesh, built, octree = run.field.mesh, mitsuba_scene(scene), radiance_scene(scene, folder)
+    mesh, built = run.field.mesh, mitsuba_scene(scene)
     by_lelight_name = f"lelight at {target:.0%}"
 
     def by_lelight(seed: int) -> FloatArray:
@@ -140,17 +141,20 @@ def side_by_side(name: str, target: float, rounds: int, folder: Path) -> dict[st
     def by_mitsuba(seed: int) -> FloatArray:
         return illuminance_by_mitsuba(built, mesh.positions, mesh.normals, paths=TIMED, seed=100 + seed)
 
-    def by_radiance(options: str) -> Callable[[int], FloatArray]:
+    def by_radiance(octree: Path, options: str) -> Callable[[int], FloatArray]:
         return lambda _seed: illuminance_by_radiance(octree, mesh.positions, mesh.normals, options)
 
     programs = {by_lelight_name: by_lelight, f"Mitsuba, {TIMED} paths": by_mitsuba}
     if len(mesh) <= MOST_FOR_RADIANCE:
-        programs |= {f"Radiance {options}": by_radiance(options) for options in RADIANCE}
+        octree = radiance_scene(scene, folder)
+        programs |= {f"Radiance {options}": by_radiance(octree, options) for options in RADIANCE}
     rows: dict[str, list[FloatArray]] = {told: [] for told in programs}
     for seed in range(rounds):
         for told, work in programs.items():
-            begun = seed == 0 and told == by_lelight_name
-            found, cpu, wall = first if begun else timed(lambda work=work, seed=seed: work(seed))
+            if seed == 0 and told == by_lelight_name:
+                found, cpu, wall = run.replicates.mean, *spent
+            else:
+                found, cpu, wall = timed(lambda work=work, seed=seed: work(seed))
             rows[told].append(row_of(found[nodes], cpu, wall, expected, error))
     medians = {told: np.median(own, axis=0) for told, own in rows.items()}
     for told, (rms, bias, cpu, wall, efficiency) in medians.items():

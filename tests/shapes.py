@@ -24,6 +24,12 @@ def scene_of(*shapes: Shape, materials: list[int] | None = None) -> Scene:
     )
 
 
+def solid(size: tuple[float, float, float], corner: tuple[float, float, float]) -> Shape:
+    """A box whose fronts look outwards."""
+    vertices, triangles = placed(box(size), shift=corner)
+    return vertices, triangles[:, ::-1]
+
+
 def placed(shape: Shape, *, scale: float = 1.0, shift: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Shape:
     return shape[0] * scale + np.array(shift), shape[1]
 

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from rooms import grey, lamp, lit, panel
-from shapes import box, placed
+from shapes import box, placed, solid
 
 from lelight import pilot
 from lelight.calculation import calculate
@@ -27,12 +27,6 @@ SOURCE = (lamp((3.0, 2.5, 2.5)),)
 def prepared(scene, *, seed=0):
     world, labels = build_world(scene, 1), patches(scene)
     return world, labels, lit_sides(scene, world, labels=labels, seed=seed, executor=THREADS)
-
-
-def solid(size, corner):
-    """A box whose fronts look outwards."""
-    vertices, triangles = placed(box(size), shift=corner)
-    return vertices, triangles[:, ::-1]
 
 
 def sides_of(scene, labels, lit_, shape_first, shape_last):

@@ -77,17 +77,22 @@ class BaseField:
 
     def illuminance_at(self, triangles: IntArray, points: FloatArray, front: BoolArray) -> FloatArray:
         """Interpolate the field (k, C), lx, at points (k, 3) on traced triangles (k,)."""
-        nodes, weights = self.locator.find(points, self.labels[triangles], np.where(front, 1, -1))
-        return interpolate(self.illuminance, nodes, weights)
+        return interpolate(self.illuminance, *self._around(triangles, points, front))
 
     def luminance_at(
         self, triangles: IntArray, points: FloatArray, front: BoolArray
     ) -> tuple[FloatArray, IntArray]:
         """Tell what the Lambertian lobes make of it (k, C), cd/m², and the node (k,) of most weight, -1 if none."""
-        nodes, weights = self.locator.find(points, self.labels[triangles], np.where(front, 1, -1))
+        nodes, weights = self._around(triangles, points, front)
         light = interpolate(self.illuminance, nodes, weights)
         _reflect(light, self.diffuse, self.materials, triangles)
         return light, _heaviest(nodes, weights)
+
+    def _around(
+        self, triangles: IntArray, points: FloatArray, front: BoolArray
+    ) -> tuple[IntArray, FloatArray]:
+        """Nodes (k, 3) around points (k, 3) and their weights."""
+        return self.locator.find(points, self.labels[triangles], np.where(front, 1, -1))
 
 
 @njit(**COMPILED)
@@ -162,7 +167,7 @@ class _Rows:
     """Direct light (r, C) of some nodes, and rows of the gathering operator: weights and nodes by row.
 
     Every node has `CELLS` rows, one for each cell of its guide; together they are what it gathers. Into each cell it
-    has sent (r, CELLS) rays. Half the memory is enough for weights that rays have drawn.
+    has sent (r, CELLS) rays. Weights that few rays have drawn need no double precision.
     """
 
     direct: FloatArray
@@ -232,8 +237,8 @@ def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray
         direct=direct[:, ILLUMINANCE],
         sent=np.bincount(cell, minlength=shape[0]).reshape(-1, CELLS).astype(np.int32),
         weights=operator.data.astype(np.float32),
-        nodes=operator.indices.astype(np.int32),
-        counts=np.diff(operator.indptr).astype(np.int32),
+        nodes=operator.indices.astype(np.int32, copy=False),
+        counts=np.diff(operator.indptr).astype(np.int32, copy=False),
     )
 
 

@@ -37,12 +37,11 @@ def repeated_faces(
 
 def without_repeated_faces(scene: Scene) -> Scene:
     """Copy a scene without the faces that lie on an earlier one; the scene itself where there are none."""
-    dark = np.array([not material.emits for material in scene.materials], dtype=np.bool_)
     repeated = repeated_faces(
         scene.vertices,
         scene.triangles,
         scene.triangle_materials,
-        two_sided=dark[scene.triangle_materials],
+        two_sided=~scene.emitting,
     )
     if not repeated.any():
         return scene

@@ -9,11 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from lelight.mesh.patches import edge_pairs, weld
+from lelight.mesh.patches import components, edge_pairs, weld
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene
 
 #: Least volume of a solid, over the cube of its diagonal: what encloses less is a sheet.
@@ -59,8 +57,8 @@ def _closed(scene: Scene, triangles: IntArray) -> Enclosures:
     """Find them among triangles (n_t, 3) whose corners are numbered so."""
     corners, count = scene.corners, len(triangles)
     pairs = edge_pairs(triangles)
-    links = coo_array((np.ones(len(pairs.first), dtype=np.int8), pairs), shape=(count, count))
-    pieces, piece = connected_components(links, directed=False)
+    piece = components(count, pairs.first, pairs.second)
+    pieces = int(piece.max(initial=-1)) + 1
     shared = np.bincount(pairs.first, minlength=count) + np.bincount(pairs.second, minlength=count)
     closed = np.bincount(piece, shared != 3, pieces) == 0
     low, high = np.full((pieces, 3), np.inf), np.full((pieces, 3), -np.inf)
@@ -70,19 +68,19 @@ def _closed(scene: Scene, triangles: IntArray) -> Enclosures:
     volumes = np.bincount(piece, np.linalg.det(local) / 6.0, pieces)
     solid = closed & (np.abs(volumes) > FLAT * np.linalg.norm(high - low, axis=1) ** 3)
     firsts = np.unique(piece, return_index=True)[1]
-    lamps = np.array([lamp.position for lamp in scene.luminaires]).reshape(-1, 3)
     own = np.flatnonzero(solid)
     solid[own] = ~_touched(low[own], high[own], *_emitting_boxes(scene, piece))
     own = np.flatnonzero(solid)
-    solid[own] = ~_holding(low[own], high[own], own, np.concatenate([corners[firsts, 0], lamps]))
+    solid[own] = ~_holding(
+        low[own], high[own], own, np.concatenate([corners[firsts, 0], scene.lamp_positions])
+    )
     inner = np.stack([volumes < 0.0, volumes > 0.0], axis=1) & solid[:, None]
-    return Enclosures(np.asarray(piece, dtype=np.int64), inner[piece])
+    return Enclosures(piece, inner[piece])
 
 
 def _emitting_boxes(scene: Scene, piece: IntArray) -> tuple[FloatArray, FloatArray]:
     """Lower and upper corners (e, 3) of boxes around all triangles that emit."""
-    emits = np.array([material.emits for material in scene.materials], dtype=np.bool_)
-    own = np.flatnonzero(emits[scene.triangle_materials])
+    own = np.flatnonzero(scene.emitting)
     low, high = scene.corners[own].min(axis=1), scene.corners[own].max(axis=1)
     if len(own) <= MOST_EMITTING:
         return low, high

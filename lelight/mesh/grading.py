@@ -49,12 +49,11 @@ def graded(surface: SurfaceMesh, scene: Scene, labels: IntArray) -> SurfaceMesh:
 
 def _sources(scene: Scene) -> tuple[FloatArray, FloatArray]:
     """Places (s, 3) of all sources, and the edge (s,) in m that is short enough beside each."""
-    emitting = np.array([material.emits for material in scene.materials], dtype=np.bool_)
-    corners = scene.corners[emitting[scene.triangle_materials]]
+    corners = scene.corners[scene.emitting]
     on_faces = np.einsum("pc,tcx->tpx", PLACES, corners).reshape(-1, 3)
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
     sizes = np.repeat(edges.max(axis=1, initial=0.0), len(PLACES))
-    positions = np.array([lamp.position for lamp in scene.luminaires]).reshape(-1, 3)
+    positions = scene.lamp_positions
     return np.concatenate([on_faces, positions]), np.concatenate([sizes, np.zeros(len(positions))])
 
 

@@ -50,7 +50,7 @@ def patches(scene: Scene, *, crease: float = np.radians(20.0)) -> IntArray:
     cos_angle = np.einsum("kx,kx->k", normals[pairs.first], normals[pairs.second])
     same_material = scene.triangle_materials[pairs.first] == scene.triangle_materials[pairs.second]
     joined = same_material & (cos_angle > np.cos(crease))
-    return _components(len(normals), pairs.first[joined], pairs.second[joined])
+    return components(len(normals), pairs.first[joined], pairs.second[joined])
 
 
 def weld(vertices: FloatArray) -> IntArray:
@@ -114,7 +114,7 @@ def _row_numbers(rows: IntArray) -> IntArray:
     return numbers
 
 
-def _components(count: int, first: IntArray, second: IntArray) -> IntArray:
+def components(count: int, first: IntArray, second: IntArray) -> IntArray:
     """Label ``count`` things by the connected component that the links put them in, by first member."""
     links = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
     raw = connected_components(links, directed=False)[1]

@@ -106,7 +106,7 @@ def collect_emitters(scene: Scene, channels: FloatArray) -> Emitters:
         luminance=material_luminance[materials],
         # The back of a face that lies back to back with another is the other's front.
         both_sides=both[materials] & (backs(scene.vertices, scene.triangles)[emitting] < 0),
-        positions=np.array([lamp.position for lamp in scene.luminaires]).reshape(-1, 3),
+        positions=scene.lamp_positions,
         intensity=emission_in_channels(
             [_strength(lamp) for lamp in scene.luminaires],
             [lamp.spectrum for lamp in scene.luminaires],
