@@ -112,6 +112,7 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) 
     base, variant = None, chosen_variant(plan, settings)
     if variant.on_base:
         base = _base(site, placed, receivers[slice(0, len(mesh))], edge)
+        receivers = base.guide.leading(receivers) if base.guide is not None else receivers
         if base.spots:
             plan = replace(plan, decisions=(*plan.decisions, SPOTS))
     keep.clock.lap("base")

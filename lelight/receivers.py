@@ -32,6 +32,7 @@ class Receivers:
     clear_share : (r,) float; roughly how much of the emitters' light is not blocked, found beforehand
     direct_doublings, near_doublings : (r,) int; how much more often, as power of two, a receiver samples
         direct light and near field than a batch's effort says; found beforehand, negative for less
+    rows : (r,) int; of the base's guide, -1 where none is known
     """
 
     points: FloatArray
@@ -44,6 +45,7 @@ class Receivers:
     clear_share: FloatArray
     direct_doublings: IntArray
     near_doublings: IntArray
+    rows: IntArray
 
     def __len__(self) -> int:
         """Count receivers."""
@@ -87,6 +89,7 @@ def space_receivers(points: FloatArray, normals: FloatArray, *, doublings: int =
         clear_share=np.zeros(len(points)),
         direct_doublings=none + doublings,
         near_doublings=none + doublings,
+        rows=none - 1,
     )
 
 

@@ -18,6 +18,7 @@ from lelight.scene import Material
 from lelight.tracing.chains import emit
 from lelight.tracing.drawing import (
     LOCAL_CHOICE_LIMIT,
+    add_unblocked,
     choice_cdf,
     chosen,
     drawn_density,
@@ -25,10 +26,10 @@ from lelight.tracing.drawing import (
     shines,
     source_strength,
     toward_face,
-    unshadowed,
 )
 from lelight.tracing.emitters import collect_emitters
 from lelight.tracing.lamps import toward_lamp
+from lelight.tracing.sight import unseen
 from lelight.tracing.triangles import triangle_irradiance
 
 EXACT = 1e-9
@@ -124,9 +125,19 @@ def contributions(emitters, place, normal, *, on_surface=True):
             ),
         )
         total = np.zeros(1)
-        unshadowed(alone, *place, *normal, total)
+        unblocked(alone, *place, *normal, total)
         light[source] = total[0]
     return light
+
+
+def unblocked(emitters, x, y, z, nx, ny, nz, illuminance):
+    """All of what the sources would give with nothing in between."""
+    add_unblocked(emitters, x, y, z, nx, ny, nz, np.ones(len(emitters.power)), illuminance)
+
+
+def ideal_cdf(emitters, x, y, z, nx, ny, nz, on_surface, cdf):
+    """`choice_cdf` where nothing is known of what is in sight."""
+    return choice_cdf(emitters, x, y, z, nx, ny, nz, on_surface, -1, unseen(), cdf)
 
 
 def rough_cdf(emitters, x, y, z, nx, ny, nz, cdf):
@@ -152,8 +163,8 @@ def test_choice_is_a_distribution_and_leaves_no_source_out_that_contributes(plac
     normal = normalised(np.array(normal))
     light = contributions(emitters, place, normal)
     for choose in (
-        lambda cdf: choice_cdf(emitters, *place, *normal, True, cdf),
-        lambda cdf: choice_cdf(emitters, *place, *normal, False, cdf),
+        lambda cdf: ideal_cdf(emitters, *place, *normal, True, cdf),
+        lambda cdf: ideal_cdf(emitters, *place, *normal, False, cdf),
         lambda cdf: rough_cdf(emitters, *place, *normal, cdf),
     ):
         cdf = np.empty(6)
@@ -171,7 +182,7 @@ def test_choice_near_the_sources_follows_what_each_gives():
     emitters = made(luminaires=())
     place, normal = (0.5, 0.5, 2.0), normalised(np.array([0.5, 0.1, 1.0]))
     cdf = np.empty(4)
-    assert choice_cdf(emitters, *place, *normal, True, cdf)
+    assert ideal_cdf(emitters, *place, *normal, True, cdf)
     light = contributions(emitters, place, normal)
     np.testing.assert_allclose(np.diff(cdf, prepend=0.0), light / light.sum(), rtol=EXACT)
 
@@ -185,7 +196,7 @@ def test_beyond_the_limit_the_choice_is_by_power_and_still_reaches_everything():
     )
     place, normal = (0.5, 0.5, 1.0), (0.0, 0.0, 1.0)
     for choose in (
-        lambda cdf: choice_cdf(emitters, *place, *normal, True, cdf),
+        lambda cdf: ideal_cdf(emitters, *place, *normal, True, cdf),
         lambda cdf: rough_cdf(emitters, *place, *normal, cdf),
     ):
         cdf = np.empty(len(lamps))
@@ -210,7 +221,7 @@ def test_drawn_light_has_the_closed_form_as_its_expectation(place):
     emitters = made()
     normal = normalised(np.array([0.3, -0.2, 1.0]))
     cdf = np.empty(6)
-    assert choice_cdf(emitters, *place, *normal, True, cdf)
+    assert ideal_cdf(emitters, *place, *normal, True, cdf)
     numbers = np.random.default_rng(3).random((20_000, 3))
     light = np.zeros(len(numbers))
     for k, (choice, u, v) in enumerate(numbers):
@@ -220,7 +231,7 @@ def test_drawn_light_has_the_closed_form_as_its_expectation(place):
             source_strength(emitters, source, 0) * factor / share * max(0.0, float(np.dot(direction, normal)))
         )
     expected = np.zeros(1)
-    unshadowed(emitters, *place, *normal, expected)
+    unblocked(emitters, *place, *normal, expected)
     assert agrees(light[:, None], expected, relative_error=0.01)
 
 
@@ -250,7 +261,7 @@ def test_unshadowed_is_the_sum_of_lambert_and_inverse_square():
         ray = point.position - place
         expected += point.intensity[0] * max(0.0, ray @ normal) / np.linalg.norm(ray) ** 3
     total = np.zeros(1)
-    unshadowed(emitters, *place, *normal, total)
+    unblocked(emitters, *place, *normal, total)
     assert total[0] == pytest.approx(expected, rel=EXACT)
 
 
@@ -302,15 +313,15 @@ def test_a_lamp_gives_no_light_in_its_own_plane_however_it_is_turned(corners, we
     place = np.array(weights) @ corners
     shares = np.empty(2)
     for found in (
-        choice_cdf(emitters, *place, 0.0, 0.0, 1.0, True, shares),
-        choice_cdf(emitters, *place, 0.0, 0.0, 1.0, False, shares),
+        ideal_cdf(emitters, *place, 0.0, 0.0, 1.0, True, shares),
+        ideal_cdf(emitters, *place, 0.0, 0.0, 1.0, False, shares),
         rough_cdf(emitters, *place, 0.0, 0.0, 1.0, shares),
     ):
         assert found
         assert np.array_equal(shares, [0.0, 1.0])
     ray = point.position - place
     total = np.zeros(1)
-    unshadowed(emitters, *place, 0.0, 0.0, 1.0, total)
+    unblocked(emitters, *place, 0.0, 0.0, 1.0, total)
     assert total[0] == pytest.approx(100.0 * ray[2] / np.linalg.norm(ray) ** 3, rel=EXACT)
 
 
@@ -320,10 +331,10 @@ def test_a_place_at_a_point_luminaire_gets_finite_light():
     place = POINTS[0].position
     cdf, total = np.empty(6), np.zeros(1)
     for on_surface in (True, False):
-        assert choice_cdf(emitters, *place, 0.0, 0.0, 1.0, on_surface, cdf)
+        assert ideal_cdf(emitters, *place, 0.0, 0.0, 1.0, on_surface, cdf)
         assert cdf[-1] == 1.0
         assert cdf[4] == cdf[3]
-    unshadowed(emitters, *place, 0.0, 0.0, 1.0, total)
+    unblocked(emitters, *place, 0.0, 0.0, 1.0, total)
     others = contributions(emitters, place, (0.0, 0.0, 1.0))
     assert others[4] == 0.0
     assert total[0] == pytest.approx(others.sum(), rel=EXACT)
@@ -335,7 +346,7 @@ def test_degenerate_luminous_triangles_give_nothing_and_spoil_nothing():
     emitters = collect_emitters(lit(*SHAPES, sliver, materials=materials), channel_matrix(1))
     cdf = np.empty(len(emitters.power))
     for choose in (
-        choice_cdf(emitters, 1.0, 0.5, 0.0, 0.0, 0.0, 1.0, True, cdf),
+        ideal_cdf(emitters, 1.0, 0.5, 0.0, 0.0, 0.0, 1.0, True, cdf),
         rough_cdf(emitters, 1.0, 0.5, 0.0, 0.0, 0.0, 1.0, cdf),
     ):
         assert choose

@@ -109,7 +109,7 @@ def gathered(stage, receivers, guide, *, bound, log2_rays, ends_at=None):
     for k in range(REPLICATES):
         moments, _, _ = near_field(
             stage.world,
-            receivers,
+            guide.leading(receivers) if guide else receivers,
             bound=bound,
             together=(Turn.of_all(Stretch.of(log2_rays), len(receivers)),),
             seed=(0, k if guide else REPLICATES + k, 3),

@@ -22,7 +22,7 @@ from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import form_of
 from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.cells import Cells
-from lelight.estimate.direct import direct_light
+from lelight.estimate.direct import direct_light_and_sight
 from lelight.estimate.gmres import gmres
 from lelight.estimate.guide import CELLS, Guide, cells_of
 from lelight.estimate.nearfield import hemisphere_rays
@@ -158,7 +158,14 @@ def solve_base(
         diffuse=world.reflectances.diffuse,
         materials=world.materials,
         spots=solved.spots,
-        guide=Guide.of(solved.light, solved.sent, mesh.positions, mesh.normals, hidden=mesh.hidden),
+        guide=Guide.of(
+            solved.light,
+            solved.sent,
+            mesh.positions,
+            mesh.normals,
+            hidden=mesh.hidden,
+            to_sources=(solved.asked, solved.clear),
+        ),
     )
 
 
@@ -167,7 +174,8 @@ class _Rows:
     """Direct light (r, C) of some nodes, and rows of the gathering operator: weights and nodes by row.
 
     Every node has `CELLS` rows, one for each cell of its guide; together they are what it gathers. Into each cell it
-    has sent (r, CELLS) rays. Weights that few rays have drawn need no double precision.
+    has sent (r, CELLS) rays; to each source it has sent (r, S), some of which met nothing. Weights that few rays have
+    drawn need no double precision.
     """
 
     direct: FloatArray
@@ -175,6 +183,8 @@ class _Rows:
     weights: Float32Array
     nodes: NDArray[np.int32]
     counts: NDArray[np.int32]
+    asked: NDArray[np.uint8]
+    clear: NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -185,6 +195,8 @@ class _Solved:
     spots: bool
     light: Float32Array
     sent: NDArray[np.int32]
+    asked: NDArray[np.uint8]
+    clear: NDArray[np.uint8]
 
 
 def _solution(world: World, mesh: NodeMesh, parts: list[_Rows]) -> _Solved:
@@ -199,8 +211,10 @@ def _solution(world: World, mesh: NodeMesh, parts: list[_Rows]) -> _Solved:
     reflected = albedo[mesh.materials]
     illuminance = _solved(_gathering(by_cell), direct, reflected)
     light = by_cell @ luminance_weighted(reflected * illuminance).astype(np.float32)
-    sent = np.concatenate([part.sent for part in parts])
-    return _Solved(illuminance, spots, light.reshape(-1, CELLS), sent)
+    sent, asked, clear = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("sent", "asked", "clear")
+    )
+    return _Solved(illuminance, spots, light.reshape(-1, CELLS), sent, asked, clear)
 
 
 def _gathering(by_cell: csr_array) -> csr_array:
@@ -220,7 +234,9 @@ def _gathering(by_cell: csr_array) -> csr_array:
 def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray, seed: int) -> _Rows:
     """Trace the rays of some nodes."""
     log2_rays = int(np.clip(LOG2_ALL_RAYS - math.log2(len(locator)), LEAST_LOG2_RAYS, MOST_LOG2_RAYS))
-    direct, _ = direct_light(world, receivers, samples=Stretch.of(LOG2_DIRECT), seed=(seed, 7))
+    direct, asked, clear = direct_light_and_sight(
+        world, receivers, samples=Stretch.of(LOG2_DIRECT), seed=(seed, 7)
+    )
     origins, directions, owner, numbers = hemisphere_rays(
         world, receivers, samples=Stretch.of(log2_rays), seed=(seed, 8)
     )
@@ -239,6 +255,8 @@ def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray
         weights=operator.data.astype(np.float32),
         nodes=operator.indices.astype(np.int32, copy=False),
         counts=np.diff(operator.indptr).astype(np.int32, copy=False),
+        asked=asked,
+        clear=clear,
     )
 
 

@@ -165,7 +165,7 @@ class BlockWork:
             tree=self.tree,
         )
         times.append(perf_counter())
-        direct, direct_rays = _direct(site.world, receivers, effort, doubling, (*seed, DIRECT))
+        direct, direct_rays = _direct(site.world, receivers, effort, doubling, (*seed, DIRECT), site.base)
         times.append(perf_counter())
         near = _near(
             site.world, receivers, effort, site.variant, doubling, (*seed, NEAR), site.base, self.ends
@@ -223,14 +223,21 @@ def chain_light(
 
 
 def _direct(
-    world: World, receivers: Receivers, effort: Effort, doubling: int, seed: tuple[int, ...]
+    world: World,
+    receivers: Receivers,
+    effort: Effort,
+    doubling: int,
+    seed: tuple[int, ...],
+    base: BaseField | None,
 ) -> tuple[FloatArray, int]:
     """Direct light of a block (r, 6, C), sampled as often as each receiver needs, and the rays it took."""
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
-    rays = 0
+    rays, guide = 0, base.guide if base is not None else None
     for together in turns(effort.log2_direct + receivers.direct_doublings, doubling):
         for turn in together:
-            found, traced = direct_light(world, receivers[turn.own], samples=turn.samples, seed=seed)
+            found, traced = direct_light(
+                world, receivers[turn.own], samples=turn.samples, seed=seed, guide=guide
+            )
             moments[turn.own] += turn.share * found
             rays += traced
     return moments, rays

@@ -91,7 +91,7 @@ def with_starts(
     numbers[:, 0] = (np.arange(places) + numbers[:, 0]) / places
     drawn, cell = cells.draw(numbers)
     start = _standing(world, drawn)
-    receivers = _at(start)
+    receivers = _at(base, start)
 
     def part(own: IntArray) -> FloatArray:
         return _lack(world, base, start[own], receivers[own], seed=(seed, MEASURED))
@@ -124,9 +124,10 @@ def _places(base: BaseField) -> int:
     return int(np.clip(PLACES_PER_NODE * len(base.illuminance), *PLACES))
 
 
-def _at(start: ChainVertices) -> Receivers:
+def _at(base: BaseField, start: ChainVertices) -> Receivers:
     """Receivers at starts of chains."""
-    return with_surface(space_receivers(start.points, start.normals))
+    receivers = with_surface(space_receivers(start.points, start.normals))
+    return base.guide.leading(receivers) if base.guide is not None else receivers
 
 
 def _lack(
@@ -135,7 +136,7 @@ def _lack(
     """Illuminance (k,) in lx that places get in truth beyond what the base says, either way."""
     few = Stretch.of(LOG2_MEASURING_RAYS)
     rest = _rest_of_defect(world, base, start, receivers, few, (*seed, DEFECT_GATHER))
-    direct, _ = direct_light(world, receivers, samples=few, seed=(*seed, DEFECT_DIRECT))
+    direct, _ = direct_light(world, receivers, samples=few, seed=(*seed, DEFECT_DIRECT), guide=base.guide)
     return np.abs(luminance_weighted(rest + direct[:, ILLUMINANCE]))
 
 
@@ -194,7 +195,7 @@ def _over_surface(
     """Draw starts over the surface, but for pairs with close lamps; also which row of ``points`` each is."""
     drawn, _ = starts.draw(points[:, :3])
     start, area = _standing(world, drawn), drawn.area
-    receivers, samples = _at(start), Stretch.of(LOG2_DEFECT_RAYS)
+    receivers, samples = _at(base, start), Stretch.of(LOG2_DEFECT_RAYS)
     rest = _rest_of_defect(world, base, start, receivers, samples, (*seed, DEFECT_GATHER))
     owner, light = drawn_illuminance(world, receivers, samples=samples, seed=(*seed, DEFECT_DIRECT))
     kept = luminance_weighted(light) <= (_close_light(world) if shared_out else np.inf)
@@ -220,7 +221,7 @@ def _by_light(
     close &= starts.density(start.triangles, side, start.points) > 0.0
     start, light, drawn = start[close].with_lobes(DIFFUSE_LOBE), light[close], drawn[close, None]
     samples = Stretch.of(LOG2_DEFECT_RAYS)
-    rest = _rest_of_defect(world, base, start, _at(start), samples, (*seed, DEFECT_GATHER))
+    rest = _rest_of_defect(world, base, start, _at(base, start), samples, (*seed, DEFECT_GATHER))
     pair = (light + rest * drawn) * (emitters.power.sum() / sent[close, None])
     return start.with_flux(pair / len(points)), alive[close]
 

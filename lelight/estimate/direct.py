@@ -1,7 +1,7 @@
 """Light that comes straight from the emitters, sampled from the receiver's side.
 
 Sources are drawn by what they can give at the receiver and luminous triangles by solid angle, so a lamp costs
-a few rays however near it is. The unshadowed illuminance is known in closed form; a share of it, chosen
+a few rays however near it is. The unshadowed illuminance is known in closed form; a share of it, by source, chosen
 beforehand, is taken from there and only the difference is sampled (a control variate). Where nothing is in
 the way, no noise is left.
 """
@@ -12,8 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from lelight.compilation import COMPILED, LEAF
+from lelight.estimate.guide import Guide
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
 from lelight.receivers import ILLUMINANCE, MOMENTS, Receivers
@@ -21,20 +23,23 @@ from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import hash_of
 from lelight.tracing.drawing import (
     LOCAL_CHOICE_LIMIT,
+    add_unblocked,
     choice_cdf,
     chosen,
     source_housing,
     source_strength,
     toward_face,
-    unshadowed,
 )
 from lelight.tracing.emitters import Emitters
 from lelight.tracing.lamps import has_closed_form, toward_lamp
 from lelight.tracing.sampling import mix, rotated, uniform
+from lelight.tracing.sight import WHOLE, Shares, unseen
 from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.triangles import triangle_density
 from lelight.tracing.world import World
 
+#: Rays by receiver and source.
+Counts = NDArray[np.uint8]
 #: Shadow rays that tell beforehand how much of the emitters a receiver sees, as power of two.
 LOG2_PREVIEW = 5
 #: Where less than this share came through, it may be by a slit. So many more rays tell then, for so many
@@ -45,23 +50,65 @@ LOG2_SLIT_PREVIEW, BLOCKED_AT_ONCE, SLIT_DOUBLINGS = 10, 256, 6
 
 
 def direct_light(
-    world: World, receivers: Receivers, *, samples: Stretch, seed: tuple[int, ...]
+    world: World,
+    receivers: Receivers,
+    *,
+    samples: Stretch,
+    seed: tuple[int, ...],
+    guide: Guide | None = None,
 ) -> tuple[FloatArray, int]:
     """Moments (r, 6, C) of the light that reaches the receivers from emitters, and the rays it took.
 
     Parameters
     ----------
     samples : the shadow rays of each receiver, as points of its sequence
+    guide : tells receivers that know their row of it which sources are in sight
     """
-    numbers = sobol(3, samples, seed=seed)
-    drawn = _draw(world, receivers, numbers, hash_of(seed))
-    light = drawn.arrivals.radiance_solid_angle / len(numbers)
-    owner = drawn.arrivals.receiver
+    sight = guide.sight if guide is not None else unseen()
+    drawn = _draw(world, receivers, sobol(3, samples, seed=seed), hash_of(seed), sight)
     clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
+    return _summed(world, receivers, drawn, clear, samples), len(drawn.source)
+
+
+def direct_light_and_sight(
+    world: World, receivers: Receivers, *, samples: Stretch, seed: tuple[int, ...]
+) -> tuple[FloatArray, Counts, Counts]:
+    """Do as `direct_light`, and count by source the rays of each receiver and those of them that nothing blocked.
+
+    Returns
+    -------
+    moments : (r, 6, C) float
+    asked, clear : (r, S) uint8, of fewer than 256 samples; S is 0 where there are too many sources to choose by place
+    """
+    drawn = _draw(world, receivers, sobol(3, samples, seed=seed), hash_of(seed), unseen())
+    clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
+    sources = len(world.emitters.power)
+    shape = (len(receivers), sources if sources <= LOCAL_CHOICE_LIMIT else 0)
+    asked, through = np.zeros(shape, dtype=np.uint8), np.zeros(shape, dtype=np.uint8)
+    if shape[1]:
+        _count_rays(drawn.arrivals.receiver, drawn.source, clear, asked, through)
+    return _summed(world, receivers, drawn, clear, samples), asked, through
+
+
+@njit(**LEAF)
+def _count_rays(
+    receiver: IntArray, source: IntArray, clear: BoolArray, asked: Counts, through: Counts
+) -> None:
+    for k in range(len(receiver)):
+        asked[receiver[k], source[k]] += 1
+        if clear[k]:
+            through[receiver[k], source[k]] += 1
+
+
+def _summed(
+    world: World, receivers: Receivers, drawn: _Drawn, clear: BoolArray, samples: Stretch
+) -> FloatArray:
+    """Moments (r, 6, C) of drawn rays."""
+    light, owner = drawn.arrivals.radiance_solid_angle / samples.count, drawn.arrivals.receiver
     moments = np.zeros((len(receivers), MOMENTS, world.channels))
     add_arrivals(moments, owner[clear], drawn.arrivals.directions[clear], receivers.normals, light[clear])
     _correct(moments, receivers, drawn, light)
-    return moments, len(owner)
+    return moments
 
 
 def drawn_illuminance(
@@ -71,7 +118,7 @@ def drawn_illuminance(
 
     The mean of all draws, those that found nothing as zero, is the direct illuminance.
     """
-    drawn = _draw(world, receivers, sobol(3, samples, seed=seed), hash_of(seed))
+    drawn = _draw(world, receivers, sobol(3, samples, seed=seed), hash_of(seed), unseen())
     clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
     owner, directions = drawn.arrivals.receiver[clear], drawn.arrivals.directions[clear]
     cosine = np.maximum(np.einsum("kx,kx->k", directions, receivers.normals[owner]), 0.0)
@@ -107,7 +154,7 @@ def _weigh_sources(
     illuminance: FloatArray,
     density: FloatArray,
 ) -> None:
-    cdf = np.empty(len(emitters.power))
+    cdf, unseen_here = np.empty(len(emitters.power)), np.empty((0, 0), dtype=np.uint8)
     triangles = len(emitters.areas)
     for k in range(len(sources)):
         s = sources[k]
@@ -116,7 +163,7 @@ def _weigh_sources(
         dx, dy, dz = directions[k]
         factor = max(0.0, dx * nx + dy * ny + dz * nz)
         share = 0.0
-        if choice_cdf(emitters, x, y, z, nx, ny, nz, True, cdf):
+        if choice_cdf(emitters, x, y, z, nx, ny, nz, True, -1, unseen_here, cdf):
             share = cdf[s] - (cdf[s - 1] if s > 0 else 0.0)
         if s < triangles:
             corners, normal, area = emitters.corners[s], emitters.normals[s], emitters.areas[s]
@@ -175,7 +222,7 @@ def with_rough_clear_share(
 
 def _clear_share(world: World, receivers: Receivers, log2_samples: int, seed: tuple[int, ...]) -> FloatArray:
     """Share (r,) of the drawn light that nothing blocks, 0 where none is drawn."""
-    drawn = _draw(world, receivers, sobol(3, Stretch.of(log2_samples), seed=seed), hash_of(seed))
+    drawn = _draw(world, receivers, sobol(3, Stretch.of(log2_samples), seed=seed), hash_of(seed), unseen())
     clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
     weight = drawn.arrivals.radiance_solid_angle.sum(axis=1)
     count = len(receivers)
@@ -203,18 +250,20 @@ class _Drawn:
             np.empty(room, dtype=np.int64), np.empty((room, 3)), np.empty((room, channels))
         )
         self.origins, self.ends = np.empty((room, 3)), np.empty((room, 3))
-        self.housing = np.empty(room, dtype=np.int64)
-        self.unshadowed = np.zeros((count, channels))
+        self.housing, self.source = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64)
+        self.control = np.empty(room)
+        self.unblocked = np.zeros((count, channels))
 
     def cut(self, count: int) -> None:
         """Keep the first ``count`` rays."""
         a = self.arrivals
         self.arrivals = Arrivals(a.receiver[:count], a.directions[:count], a.radiance_solid_angle[:count])
         self.origins, self.ends = self.origins[:count], self.ends[:count]
-        self.housing = self.housing[:count]
+        self.housing, self.source = self.housing[:count], self.source[:count]
+        self.control = self.control[:count]
 
 
-def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint64) -> _Drawn:
+def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint64, sight: Shares) -> _Drawn:
     drawn = _Drawn(len(receivers) * len(numbers), len(receivers), world.channels)
     count = _draw_rays(
         world.emitters,
@@ -224,27 +273,31 @@ def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint6
         numbers,
         receivers.identity,
         receivers.clear_share,
+        receivers.rows,
+        sight,
         key,
         world.caster.offset,
+        drawn.source,
+        drawn.control,
         drawn.arrivals.receiver,
         drawn.arrivals.directions,
         drawn.arrivals.radiance_solid_angle,
         drawn.origins,
         drawn.ends,
         drawn.housing,
-        drawn.unshadowed,
+        drawn.unblocked,
     )
     drawn.cut(count)
     return drawn
 
 
 def _correct(moments: FloatArray, receivers: Receivers, drawn: _Drawn, light: FloatArray) -> None:
-    """Add share x (closed form - all samples, blocked or not) to the illuminance; its expectation is 0."""
+    """Add share x (closed form - all samples, blocked or not) of each source to the illuminance; it expects 0."""
     owner = drawn.arrivals.receiver
     cos_theta = np.einsum("kx,kx->k", drawn.arrivals.directions, receivers.normals[owner])
-    sampled = np.zeros_like(drawn.unshadowed)
-    _add_rows(sampled, owner, light * np.maximum(cos_theta, 0.0)[:, None])
-    moments[:, ILLUMINANCE] += receivers.clear_share[:, None] * (drawn.unshadowed - sampled)
+    sampled = np.zeros_like(drawn.unblocked)
+    _add_rows(sampled, owner, light * (drawn.control * np.maximum(cos_theta, 0.0))[:, None])
+    moments[:, ILLUMINANCE] += drawn.unblocked - sampled
 
 
 @njit(**LEAF)
@@ -263,8 +316,12 @@ def _draw_rays(
     numbers: FloatArray,
     identity: IntArray,
     clear_share: FloatArray,
+    rows: IntArray,
+    sight: Shares,
     key: np.uint64,
     offset: float,
+    drawn_source: IntArray,
+    drawn_control: FloatArray,
     receiver: IntArray,
     directions: FloatArray,
     light: FloatArray,
@@ -282,14 +339,19 @@ def _draw_rays(
         emitters.both_sides,
     )
     triangles = len(corners)
-    scratch = np.empty(len(emitters.power))
+    scratch, control = np.empty(len(emitters.power)), np.empty(len(emitters.power))
     for r in range(len(points)):
         x, y, z = points[r]
         nx, ny, nz = normals[r]
-        if not choice_cdf(emitters, x, y, z, nx, ny, nz, on_surface[r], scratch):
+        row = rows[r] if sight.shape[1] > 0 else -1
+        if not choice_cdf(emitters, x, y, z, nx, ny, nz, on_surface[r], row, sight, scratch):
             continue
         if clear_share[r] > 0.0:
-            unshadowed(emitters, x, y, z, nx, ny, nz, closed_form[r])
+            for source in range(len(control)):
+                control[source] = sight[row, source] / WHOLE if row >= 0 else clear_share[r]
+            add_unblocked(emitters, x, y, z, nx, ny, nz, control, closed_form[r])
+        else:
+            control[:] = 0.0
         own = mix(key, np.uint64(identity[r]))
         shifts = (uniform(own, np.uint64(0)), uniform(own, np.uint64(1)), uniform(own, np.uint64(2)))
         for s in range(len(numbers)):
@@ -304,7 +366,7 @@ def _draw_rays(
             cos_theta = d[0] * nx + d[1] * ny + d[2] * nz
             if factor <= 0.0 or (on_surface[r] and cos_theta <= 0.0):
                 continue
-            receiver[count] = r
+            receiver[count], drawn_source[count], drawn_control[count] = r, source, control[source]
             housing[count] = source_housing(emitters, source)
             directions[count, 0], directions[count, 1], directions[count, 2] = d
             for c in range(light.shape[1]):

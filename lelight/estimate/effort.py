@@ -293,6 +293,7 @@ class _Tried:
 def _spread(trials: _Trials, name: str, receivers: Receivers, bound: float, areas: FloatArray) -> Spread:
     """Try a few small batches at all receivers."""
     world, base, variant, seed = trials.world, trials.base, trials.variant, trials.seed
+    guide = base.guide if base is not None else None
     chains = trials.chains
     light = np.zeros((TRIALS, len(TRIAL), len(receivers)))
     rays = np.zeros(len(TRIAL))
@@ -305,7 +306,7 @@ def _spread(trials: _Trials, name: str, receivers: Receivers, bound: float, area
             trial = (seed, TRIAL_SEED + k)
             of_chains = chain_light(world, own, vertices, variant, bound=bound, seed=(*trial, DISC))
             direct, direct_rays = direct_light(
-                world, own, samples=Stretch.of(TRIAL[1]), seed=(*trial, DIRECT)
+                world, own, samples=Stretch.of(TRIAL[1]), seed=(*trial, DIRECT), guide=guide
             )
             near = near_light(
                 world,

@@ -9,7 +9,7 @@ the draws stays uniform, so nothing is missed and no weight is large.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 
 from lelight.compilation import LEAF
 from lelight.mesh.neighbours import Alike, alike
+from lelight.receivers import Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.rays import Float32Array
+from lelight.tracing.sight import Shares, shares
 
 #: Cells across the number that gives the elevation, and across that of the azimuth.
 RINGS, SECTORS = 8, 8
@@ -40,11 +42,13 @@ class Guide:
     density : (n, CELLS) float32, of each cell over that of the cosine law; rows have mean 1
     places : where they hold, in the order of some of the rows
     rows : (m,) int, of the places
+    sight : (n, S) uint8, share of each source's light that comes through there, or (0, 0) where there are too many
     """
 
     density: Float32Array
     places: Alike
     rows: IntArray
+    sight: Shares
 
     @classmethod
     def of(
@@ -55,11 +59,20 @@ class Guide:
         normals: FloatArray,
         *,
         hidden: BoolArray,
+        to_sources: tuple[NDArray[np.uint8], NDArray[np.uint8]],
     ) -> Guide:
-        """Take what rays found at places (n, 3), some of them hidden: see `densities`."""
+        """Take what rays found at places (n, 3), some of them hidden: see `densities` and `shares`."""
         rows = np.flatnonzero(~hidden)
         around = alike(points, normals, left_out=hidden)
-        return cls(densities(light, rays, around), Alike(points[rows], normals[rows]), rows)
+        sight = shares(*to_sources, around)
+        return cls(densities(light, rays, around), Alike(points[rows], normals[rows]), rows, sight)
+
+    def leading(self, receivers: Receivers) -> Receivers:
+        """Tell receivers on surfaces which row is theirs."""
+        rows = np.full(len(receivers), -1)
+        some = np.flatnonzero(receivers.on_surface)
+        rows[some] = self.at(receivers.points[some], receivers.normals[some])
+        return replace(receivers, rows=rows)
 
     def at(self, points: FloatArray, normals: FloatArray) -> IntArray:
         """Row (k,) of the nearest place that faces as these points (k, 3) do; -1 where there is none."""

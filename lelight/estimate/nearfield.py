@@ -152,11 +152,10 @@ def _directions(
     """First directions (k, 3) and the solid angle (k,) in sr that each stands for, one over its density."""
     directions = np.empty((len(numbers), 3))
     solid_angles = np.empty(len(numbers))
-    rows = guide.at(receivers.points, receivers.normals) if guide else np.full(len(receivers), -1)
     _draw_directions(
         receivers.normals,
         receivers.on_surface,
-        rows,
+        receivers.rows,
         guide.density if guide else unguided(),
         receiver,
         numbers,
@@ -181,7 +180,7 @@ def _draw_directions(
         r = receiver[k]
         u, v, lead = numbers[k, 0], numbers[k, 1], 1.0
         if on_surface[r]:
-            u, v, lead = guided(density_by_cell, rows[r], u, v)
+            u, v, lead = guided(density_by_cell, rows[r] if len(density_by_cell) > 0 else -1, u, v)
         if on_surface[r] or u < 0.5:
             x, y, z = cosine_direction(u if on_surface[r] else 2.0 * u, v)
             d = to_axis(x, y, z, normals[r, 0], normals[r, 1], normals[r, 2])

@@ -17,6 +17,7 @@ from lelight.tracing.distributions import table_intensity
 from lelight.tracing.emitters import Emitters
 from lelight.tracing.lamps import lamp_importance, seen_importance, unshadowed_lamp
 from lelight.tracing.sampling import Vector
+from lelight.tracing.sight import Shares, importance_in_sight
 from lelight.tracing.triangles import (
     sample_triangle,
     triangle_density,
@@ -198,6 +199,8 @@ def choice_cdf(
     ny: float,
     nz: float,
     on_surface: bool,
+    row: int,
+    sight: Shares,
     scratch: FloatArray,
 ) -> bool:
     """Cumulative probabilities of the sources at a place, for receivers, which draw often: close to ideal.
@@ -205,6 +208,7 @@ def choice_cdf(
     Parameters
     ----------
     on_surface : bool; without a surface (nx, ny, nz) is not looked at
+    row : int, of ``sight`` (n, T + P) here, -1 where none is known
     scratch : (T + P,) float, overwritten
 
     Returns
@@ -220,9 +224,10 @@ def choice_cdf(
     total = 0.0
     for source in range(count):
         if source < triangles:
-            total += _triangle_importance(emitters, source, x, y, z, nx, ny, nz, on_surface)
+            light = _triangle_importance(emitters, source, x, y, z, nx, ny, nz, on_surface)
         else:
-            total += lamp_importance(emitters, source - triangles, x, y, z, nx, ny, nz, on_surface)
+            light = lamp_importance(emitters, source - triangles, x, y, z, nx, ny, nz, on_surface)
+        total += light * importance_in_sight(sight, row, source)
         scratch[source] = total
     if not total > 0.0:
         return False
@@ -314,12 +319,22 @@ def source_strength(emitters: Emitters, source: int, channel: int) -> float:
 
 
 @njit(**LEAF)
-def unshadowed(
-    emitters: Emitters, x: float, y: float, z: float, nx: float, ny: float, nz: float, illuminance: FloatArray
+def add_unblocked(
+    emitters: Emitters,
+    x: float,
+    y: float,
+    z: float,
+    nx: float,
+    ny: float,
+    nz: float,
+    control: FloatArray,
+    illuminance: FloatArray,
 ) -> None:
-    """Add the illuminance (C,) in lx that all sources would give with nothing in between, in closed form."""
+    """Add the shares (T + P,) of what sources would give with nothing in between, in closed form: (C,) lx."""
     triangles = len(emitters.areas)
     for source in range(len(emitters.power)):
+        if not control[source] > 0.0:
+            continue
         if source < triangles:
             if _height(emitters, source, x, y, z) <= 0.0:
                 continue
@@ -327,7 +342,7 @@ def unshadowed(
         else:
             factor = unshadowed_lamp(emitters, source - triangles, x, y, z, nx, ny, nz)
         for c in range(len(illuminance)):
-            illuminance[c] += factor * source_strength(emitters, source, c)
+            illuminance[c] += control[source] * factor * source_strength(emitters, source, c)
 
 
 @njit(**LEAF)
