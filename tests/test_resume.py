@@ -120,7 +120,10 @@ def test_a_folder_without_work_left_is_empty_but_for_the_newest(room, tmp_path, 
 
 
 def kept_file(path: Path) -> Path:
-    record = Record({"bound": 0.1}, {"light": np.arange(6.0).reshape(2, 3), "lit": np.array([True, False])})
+    few = np.array([0, 255], dtype=np.uint8)
+    record = Record(
+        {"bound": 0.1}, {"light": np.arange(6.0).reshape(2, 3), "lit": np.array([True, False]), "few": few}
+    )
     write_segment(path, {"run": "x"}, {"a/0": record, "b": Record()})
     return path
 
@@ -131,6 +134,7 @@ def test_records_come_back_as_they_were(tmp_path):
     assert found.values == {"bound": 0.1} and segment.head == {"run": "x"}
     assert np.array_equal(found.arrays["light"], np.arange(6.0).reshape(2, 3))
     assert found.arrays["lit"].dtype == np.bool_ and found.arrays["lit"].tolist() == [True, False]
+    assert found.arrays["few"].dtype == np.uint8 and found.arrays["few"].tolist() == [0, 255]
     effort = Effort(5, 2, 3, 1 / 3)
     assert form_of(Effort).unpack(form_of(Effort).pack(effort)) == effort
     with pytest.raises(ValueError, match="no type that a checkpoint holds"):

@@ -25,7 +25,7 @@ MAGIC = b"lelight checkpoint 1\n"
 #: Bytes of the last line.
 CHECKSUM = 65
 #: Types of numbers that a segment holds.
-TYPES = ("<f8", "<f4", "<i8", "<i4", "|b1")
+TYPES = ("<f8", "<f4", "<i8", "<i4", "|u1", "|b1")
 #: Bytes read at once.
 PIECE = 1 << 20
 
