@@ -18,7 +18,7 @@ from lelight.checkpoint.keeper import Keeper
 from lelight.estimate import nearfield
 from lelight.estimate.chainwalk import chain_vertices
 from lelight.estimate.effort import bound_for
-from lelight.estimate.guide import CELLS, EVENLY, RINGS, SECTORS, cells_of, densities, guided, unguided
+from lelight.estimate.guide import EVENLY, cells_of, densities, guided, sides_for, unguided
 from lelight.estimate.nearfield import near_field
 from lelight.estimate.pathends import PathEnds
 from lelight.estimate.paths import reflected_radiance
@@ -32,6 +32,10 @@ from lelight.tracing.sampling import to_axis
 from lelight.tracing.sobol import Stretch
 
 
+#: Cells across each number, and all of them.
+SIDES, CELLS = 8, 64
+
+
 def some_densities(rng):
     """Densities of 30 places that few rays saw, each alone."""
     light = rng.gamma(0.2, size=(30, CELLS))
@@ -43,25 +47,29 @@ def test_the_warp_fills_cells_by_their_density_and_weighs_that_out():
     steps = (np.arange(512) + 0.5) / 512
     even = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
     for row in (0, 7):
-        u, v, q = np.array([guided(density, row, *pair) for pair in even]).T
+        u, v, q = np.array([guided(density, density.sum(axis=2), row, *pair) for pair in even]).T
         assert u.min() >= 0.0 and u.max() < 1.0 and v.min() >= 0.0 and v.max() < 1.0
-        cells = cells_of(np.stack([u, v], axis=1))
-        np.testing.assert_array_equal(q, density[row, cells])
+        cells = cells_of(np.stack([u, v], axis=1), SIDES)
+        np.testing.assert_array_equal(q, density[row].ravel()[cells])
         shares = np.bincount(cells, minlength=CELLS) / len(q)
         # The border of two cells lies between two of the rows of points: off by a part of a row's share of a sector.
-        np.testing.assert_allclose(shares, density[row] / CELLS, atol=4.0 / (512 * SECTORS))
+        np.testing.assert_allclose(shares, density[row].ravel() / CELLS, atol=4.0 / (512 * SIDES))
         # A smooth function's integral over the unit square, 0.5 + 1/pi.
         assert np.mean((u + np.sin(math.pi * v) / 2.0) / q) == pytest.approx(0.5 + 1.0 / math.pi, rel=2e-3)
 
 
+def test_the_more_rays_a_place_sends_the_finer_are_its_cells():
+    assert [sides_for(log2_rays) for log2_rays in (5, 6, 7, 8)] == [8, 16, 16, 24]
+
+
 def test_no_row_changes_nothing():
-    assert guided(unguided(), -1, 0.3, 0.9) == (0.3, 0.9, 1.0)
+    assert guided(*unguided(), -1, 0.3, 0.9) == (0.3, 0.9, 1.0)
 
 
 def test_densities_are_shares_and_leave_no_direction_out():
     density = some_densities(np.random.default_rng(2))
     # They are stored in single precision.
-    np.testing.assert_allclose(density.mean(axis=1), 1.0, rtol=1e-6)
+    np.testing.assert_allclose(density.mean(axis=(1, 2)), 1.0, rtol=1e-6)
     assert density.min() >= EVENLY
     dark = densities(np.zeros((2, CELLS), dtype=np.float32), np.ones((2, CELLS)), np.array([[0], [1]]))
     np.testing.assert_array_equal(dark, 1.0)
@@ -75,9 +83,9 @@ def test_light_that_is_the_same_everywhere_leaves_directions_even():
 
 def test_cells_beside_each_other_and_places_around_share_what_they_saw():
     light = np.zeros((2, CELLS))
-    light[0, 3 * SECTORS] = 1.0
+    light[0, 3 * SIDES] = 1.0
     rays = np.ones((2, CELLS))
-    density = densities(light, rays, np.array([[0, 0], [0, 1]])).reshape(2, RINGS, SECTORS)
+    density = densities(light, rays, np.array([[0, 0], [0, 1]]))
     assert density[0, 3].argmax() == 0 and density[0, 3, 1] == density[0, 3, -1] > EVENLY
     assert density[0, 2, 0] == density[0, 4, 0] > EVENLY and density[0, 6, 4] == EVENLY
     # The second saw nothing itself: half even, half like the first.
@@ -125,7 +133,7 @@ def test_led_rays_bring_the_same_light_even_where_they_are_misled():
     receivers = with_surface(space_receivers(np.array(PLACES), np.tile([0.0, 0.0, 1.0], (len(PLACES), 1))))
     effort = {"bound": 0.4 * bound_for(stage.world.area, 1024.0), "log2_rays": 10}
     guide = stage.base.guide
-    misled = replace(guide, density=np.ascontiguousarray(guide.density[:, ::-1]))
+    misled = replace(guide, density=guide.density[:, ::-1].copy(), rings=guide.rings[:, ::-1].copy())
     unled = gathered(stage, receivers, None, **effort)
     assert same_mean(gathered(stage, receivers, guide, **effort), unled, relative_error=0.02)
     assert same_mean(gathered(stage, receivers, misled, **effort), unled, relative_error=0.02)
@@ -152,7 +160,8 @@ def test_paths_are_led_on_from_the_surfaces_that_they_meet(monkeypatch):
     monkeypatch.setattr(nearfield, "reflected_radiance", not_led_on)
     first_only = gathered(stage, receivers, stage.base.guide, **effort)
     mean = 0.5 * (led.mean(axis=0) + first_only.mean(axis=0))
-    assert np.mean(led.var(axis=0) / mean**2) < 0.8 * np.mean(first_only.var(axis=0) / mean**2)
+    # The median: two nodes beside boxes get less than 0.1 lx, by rare paths.
+    assert np.median(led.var(axis=0) / mean**2) < 0.6 * np.median(first_only.var(axis=0) / mean**2)
 
 
 def test_a_place_without_any_node_around_is_not_led():

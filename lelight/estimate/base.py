@@ -24,7 +24,7 @@ from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.cells import Cells
 from lelight.estimate.direct import direct_light_and_sight
 from lelight.estimate.gmres import gmres
-from lelight.estimate.guide import CELLS, Guide, cells_of
+from lelight.estimate.guide import Guide, cells_of, sides_for
 from lelight.estimate.nearfield import hemisphere_rays
 from lelight.mesh.locate import Locator, interpolate
 from lelight.mesh.nodes import NodeMesh
@@ -173,8 +173,8 @@ def solve_base(
 class _Rows:
     """Direct light (r, C) of some nodes, and rows of the gathering operator: weights and nodes by row.
 
-    Every node has `CELLS` rows, one for each cell of its guide; together they are what it gathers. Into each cell it
-    has sent (r, CELLS) rays; to each source it has sent (r, S), some of which met nothing. Weights that few rays have
+    Every node has one row for each cell of its guide; together they are what it gathers. Into each cell it
+    has sent (r, cells) rays; to each source it has sent (r, S), some of which met nothing. Weights that few rays have
     drawn need no double precision.
     """
 
@@ -189,7 +189,7 @@ class _Rows:
 
 @dataclass(frozen=True)
 class _Solved:
-    """Illuminance (n, C), whether there are spots, light (n, CELLS) through the guide's cells and rays sent there."""
+    """Illuminance (n, C), whether there are spots, light (n, cells) through the guide's cells and rays sent there."""
 
     illuminance: FloatArray
     spots: bool
@@ -209,22 +209,21 @@ def _solution(world: World, mesh: NodeMesh, parts: list[_Rows]) -> _Solved:
     albedo = world.reflectances.diffuse + world.reflectances.specular
     by_cell = _stacked(parts, len(mesh))
     reflected = albedo[mesh.materials]
-    illuminance = _solved(_gathering(by_cell), direct, reflected)
+    illuminance = _solved(_gathering(by_cell, len(mesh)), direct, reflected)
     light = by_cell @ luminance_weighted(reflected * illuminance).astype(np.float32)
     sent, asked, clear = (
         np.concatenate([getattr(part, name) for part in parts]) for name in ("sent", "asked", "clear")
     )
-    return _Solved(illuminance, spots, light.reshape(-1, CELLS), sent, asked, clear)
+    return _Solved(illuminance, spots, light.reshape(sent.shape), sent, asked, clear)
 
 
-def _gathering(by_cell: csr_array) -> csr_array:
+def _gathering(by_cell: csr_array, nodes: int) -> csr_array:
     """Add the rows of each node's cells up."""
-    nodes = by_cell.shape[0] // CELLS
     # Copies: the sum is made in place.
     weights, columns, first = (
         by_cell.data.astype(np.float64),
         by_cell.indices.copy(),
-        by_cell.indptr[::CELLS].copy(),
+        by_cell.indptr[:: by_cell.shape[0] // nodes].copy(),
     )
     gathering = csr_array((weights, columns, first), shape=(nodes, by_cell.shape[1]))
     gathering.sum_duplicates()
@@ -245,13 +244,14 @@ def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray
     triangle = hits.triangle[met]
     sides = np.where(hits.front[met], 1, -1)
     nodes, weights = locator.find(hits.points[met], labels[triangle], sides)
-    cell = owner * CELLS + cells_of(numbers)
+    across = sides_for(log2_rays)
+    cell = owner * across**2 + cells_of(numbers, across)
     rows = np.repeat(cell[met], nodes.shape[1])
-    shape = (len(receivers) * CELLS, len(locator))
+    shape = (len(receivers) * across**2, len(locator))
     operator = csr_array((weights.ravel() / 2**log2_rays, (rows, nodes.ravel())), shape=shape)
     return _Rows(
         direct=direct[:, ILLUMINANCE],
-        sent=np.bincount(cell, minlength=shape[0]).reshape(-1, CELLS).astype(np.int32),
+        sent=np.bincount(cell, minlength=shape[0]).reshape(-1, across**2).astype(np.int32),
         weights=operator.data.astype(np.float32),
         nodes=operator.indices.astype(np.int32, copy=False),
         counts=np.diff(operator.indptr).astype(np.int32, copy=False),

@@ -26,6 +26,7 @@ from lelight.estimate.turns import Turn
 from lelight.receivers import MOMENTS, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import hash_of
+from lelight.tracing.rays import Float32Array
 from lelight.tracing.sampling import cosine_direction, sphere_direction, to_axis
 from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.world import World
@@ -156,7 +157,7 @@ def _directions(
         receivers.normals,
         receivers.on_surface,
         receivers.rows,
-        guide.density if guide else unguided(),
+        *((guide.density, guide.rings) if guide else unguided()),
         receiver,
         numbers,
         directions,
@@ -170,7 +171,8 @@ def _draw_directions(
     normals: FloatArray,
     on_surface: BoolArray,
     rows: IntArray,
-    density_by_cell: FloatArray,
+    density_by_cell: Float32Array,
+    rings: Float32Array,
     receiver: IntArray,
     numbers: FloatArray,
     directions: FloatArray,
@@ -180,7 +182,7 @@ def _draw_directions(
         r = receiver[k]
         u, v, lead = numbers[k, 0], numbers[k, 1], 1.0
         if on_surface[r]:
-            u, v, lead = guided(density_by_cell, rows[r] if len(density_by_cell) > 0 else -1, u, v)
+            u, v, lead = guided(density_by_cell, rings, rows[r] if len(density_by_cell) > 0 else -1, u, v)
         if on_surface[r] or u < 0.5:
             x, y, z = cosine_direction(u if on_surface[r] else 2.0 * u, v)
             d = to_axis(x, y, z, normals[r, 0], normals[r, 1], normals[r, 2])

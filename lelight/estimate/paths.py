@@ -160,7 +160,7 @@ def _go_on(
         world.emitters.weights,
         roulette,
         paths.rows,
-        guide.density if guide is not None else unguided(),
+        *((guide.density, guide.rings) if guide is not None else unguided()),
         directions,
         throughput,
         density,
@@ -185,6 +185,7 @@ def _reflect_back(
     roulette: bool,
     rows: IntArray,
     density_by_cell: Float32Array,
+    rings: Float32Array,
     directions: FloatArray,
     onward: FloatArray,
     density: FloatArray,
@@ -201,7 +202,7 @@ def _reflect_back(
         lead = 1.0
         if numbers[k, 3] < p_diffuse:
             row = rows[k] if len(density_by_cell) > 0 else -1
-            u, v, lead = guided(density_by_cell, row, numbers[k, 4], numbers[k, 5])
+            u, v, lead = guided(density_by_cell, rings, row, numbers[k, 4], numbers[k, 5])
             x, y, z = cosine_direction(u, v)
             dx, dy, dz = to_axis(x, y, z, nx, ny, nz)
             for c in range(channels):
