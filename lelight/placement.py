@@ -17,7 +17,7 @@ from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import form_of
 from lelight.crowding import crowded, require_room
 from lelight.estimate.base import BaseField, solve_base
-from lelight.estimate.direct import with_clear_share
+from lelight.estimate.direct import with_clear_share, with_unblocked
 from lelight.mesh.grading import graded
 from lelight.mesh.locate import patch_sides
 from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
@@ -27,6 +27,7 @@ from lelight.pilot import buried, lit_sides, open_sides, stepped_aside, touching
 from lelight.receivers import Receivers, joined, space_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene
 from lelight.settings import Settings
+from lelight.tracing.sight import Shares
 from lelight.tracing.world import World
 
 #: Receivers asked at once how much of the emitters they see.
@@ -204,6 +205,14 @@ def with_shared_clear_share(site: Site, receivers: Receivers, name: str) -> Rece
 
     found = site.keep.once(name, all_parts, form_of(_ClearShare))
     return replace(receivers, clear_share=found.clear_share, direct_doublings=found.direct_doublings)
+
+
+def with_shared_unblocked(site: Site, receivers: Receivers, sight: Shares) -> Receivers:
+    """`with_unblocked` by as many threads as there are."""
+    parts = site.executor.map(
+        lambda own: with_unblocked(site.world, own, sight).unblocked, receivers.chunks(CLEAR_SHARE_CHUNK)
+    )
+    return replace(receivers, unblocked=np.concatenate(list(parts)))
 
 
 def _spared(mesh: NodeMesh, mask: BoolArray) -> BoolArray:

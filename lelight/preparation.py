@@ -21,7 +21,14 @@ from lelight.mesh.patches import patches
 from lelight.mesh.probes import Probes, draw_probes
 from lelight.mesh.remesh import default_edge
 from lelight.metrics.grid import grid_points
-from lelight.placement import Placed, Site, place_nodes, solved_base, with_shared_clear_share
+from lelight.placement import (
+    Placed,
+    Site,
+    place_nodes,
+    solved_base,
+    with_shared_clear_share,
+    with_shared_unblocked,
+)
 from lelight.places import Places, further_places
 from lelight.plan import ASKED, Decision, Plan, make_plan
 from lelight.plancost import no_cost
@@ -112,7 +119,8 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) 
     base, variant = None, chosen_variant(plan, settings)
     if variant.on_base:
         base = _base(site, placed, receivers[slice(0, len(mesh))], edge)
-        receivers = base.guide.leading(receivers) if base.guide is not None else receivers
+        if base.guide is not None:
+            receivers = with_shared_unblocked(site, base.guide.leading(receivers), base.guide.sight)
         if base.spots:
             plan = replace(plan, decisions=(*plan.decisions, SPOTS))
     keep.clock.lap("base")

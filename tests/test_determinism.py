@@ -72,13 +72,15 @@ def test_another_seed_changes_what_is_random(undisturbed):
 LARGE = """
 import hashlib
 import numpy as np
-from scipy.sparse import random_array
 from lelight.channels import luminance_weighted
-from lelight.estimate.base import _solved
+from lelight.estimate.base import _Rows, _solved
 n = 20_000
-operator = random_array((n, n), density=4 / n, format="csr", rng=np.random.default_rng(1))
 direct = np.random.default_rng(2).random((n, 3))
-found = _solved(operator, direct, np.full((n, 3), 0.2))
+nodes = np.random.default_rng(1).integers(n, size=(4 * n, 3)).astype(np.int32)
+weights = np.full(nodes.shape, 1 / 12, dtype=np.float32)
+unused = np.zeros((n, 0), dtype=np.uint8)
+rows = _Rows(direct, unused, np.full(n, 4, np.int32), np.zeros(4 * n, np.int32), nodes, weights, unused, unused)
+found = _solved(rows, direct, np.full((n, 3), 0.2))
 light = luminance_weighted(np.random.default_rng(3).random((n, 6, 3)))
 print(hashlib.sha256(found.tobytes() + light.tobytes()).hexdigest(), found.mean())
 """

@@ -76,6 +76,17 @@ def mean(made: Calculation, chosen: BoolArray | None = None) -> FloatArray:
     return np.average(np.array(made.replicates.at_nodes)[:, own], axis=1, weights=mesh.areas[own])[:, None]
 
 
+def agrees_as_stated(made: Calculation, exact: float, chosen: BoolArray) -> bool:
+    """Say whether some nodes have a closed form's value within the errors that the run states of them.
+
+    What hardly any ray of a node has met is not in the spread of its own replicates, but in that of its neighbours.
+    """
+    error = made.field.std_error[chosen]
+    assert np.all(error < OF_NODE * exact)
+    t = np.abs(made.replicates.mean[: len(chosen)][chosen] - exact) / error
+    return bool(np.all(t <= critical_t(made.replicates.count - 1.0, len(t))))
+
+
 def holds_everywhere(made: Calculation, exact: float) -> bool:
     """Say whether all nodes and their mean agree with a furnace's closed form."""
     return agrees(at_nodes(made), exact, relative_error=OF_NODE) and agrees(
@@ -223,11 +234,10 @@ def test_faces_back_to_back_are_the_two_sides_of_a_sheet() -> None:
     """Closed form: two furnaces of other walls, divided by nothing but their coincident faces."""
     rooms = [box((1.0, 1.0, 1.0)), placed(box((1.0, 1.0, 1.0)), shift=(1.0, 0.0, 0.0))]
     walls = [grey("light", 0.8, luminance=UNIT_EXITANCE), grey("dark", 0.2, luminance=UNIT_EXITANCE)]
-    # With the least effort light between nearby walls is rare in single nodes, and their errors are not to be trusted.
     made = run(lit(*rooms, materials=walls), target=0.02, batches=16)
     for number, exact in ((0, 5.0), (1, 1.25)):
         own = (made.field.mesh.materials == number) & (made.field.mesh.sides > 0)
-        assert agrees(at_nodes(made, own), exact, relative_error=OF_NODE)
+        assert agrees_as_stated(made, exact, own & ~made.field.mesh.hidden)
         assert agrees(mean(made, own), exact, relative_error=OF_MEAN)
     assert holds_everywhere(run(doubled(furnace(RHO), flipped=True)), 1 / (1 - RHO))
 

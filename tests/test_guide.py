@@ -31,7 +31,6 @@ from lelight.settings import Settings
 from lelight.tracing.sampling import to_axis
 from lelight.tracing.sobol import Stretch
 
-
 #: Cells across each number, and all of them.
 SIDES, CELLS = 8, 64
 

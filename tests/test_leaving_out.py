@@ -105,13 +105,14 @@ def test_a_black_scene_follows_direct_light_only_and_loses_nothing():
     assert 0 < spared.replicates.rays < 0.9 * forced.replicates.rays
     assert not spared.replicates.indirect.any()
     assert not forced.replicates.indirect.any()
-    noisy = np.minimum(*(run.replicates.std_error[: len(run.field.mesh)] for run in (spared, forced))) > 1e-9
+    # What the base saw of the lamp tells the one run where light comes straight, and not the other.
+    noisy = np.maximum(*(run.replicates.std_error[: len(run.field.mesh)] for run in (spared, forced))) > 1e-9
     assert np.allclose(
         spared.field.illuminance[~noisy], forced.field.illuminance[~noisy], rtol=1e-6, atol=1e-6
     )
     one, other = (run.replicates.at_nodes[:, noisy] for run in (spared, forced))
     bright = one.mean(axis=0) > 1.0
-    assert bright.sum() > 5
+    assert bright.sum() > 5 and (~noisy).sum() > 5
     assert same_mean(one[:, bright], other[:, bright], relative_error=TELLING)
 
 
@@ -156,7 +157,10 @@ def test_a_lamp_without_flux_is_left_out_and_loses_nothing():
 def test_exponent_1_and_a_hair_more_give_the_same_light():
     runs = [found(office(0.3, specular=0.3, exponent=n)) for n in (1.0, 1.0001)]
     assert runs[0].plan.degree == runs[1].plan.degree == 15
-    assert np.allclose(runs[0].field.illuminance, runs[1].field.illuminance, rtol=1e-3)
+    off = np.abs(runs[0].field.illuminance / runs[1].field.illuminance - 1.0)
+    # By a hair a path may take another turn: then the two differ there by noise.
+    assert np.mean(off < 1e-5) >= 0.99
+    np.testing.assert_allclose(*(surface_means(run).mean(axis=0) for run in runs), rtol=1e-3)
 
 
 def watched(position: tuple[float, float, float], exponent: float = 40.0) -> Scene:
@@ -204,7 +208,7 @@ def test_lobes_too_sharp_for_the_nodes_look_the_same_where_they_are_stored():
     places, directions = np.tile(points, (4, 1)), np.repeat(toward, len(points), axis=0)
     reflected, stored = [], []
     for seed in range(8):
-        asked = {"edge": 0.5, "target": 0.05, "seed": seed}
+        asked = {"edge": 0.5, "target": 0.03, "seed": seed}
         spared, forced = found(scene, **asked), found(scene, mirrors="stored", angular="all", **asked)
         assert (spared.plan.degree, forced.plan.degree) == (0, lobe_degree(300.0, sharp=True))
         assert np.array_equal(spared.field.illuminance, forced.field.illuminance)

@@ -12,7 +12,7 @@ from shapes import box, placed
 from verdicts import same_mean
 
 from lelight.checkpoint.keeper import Keeper
-from lelight.estimate.direct import direct_light, direct_light_and_sight
+from lelight.estimate.direct import direct_light, direct_light_and_sight, with_unblocked
 from lelight.preparation import prepare
 from lelight.receivers import ILLUMINANCE, VECTOR
 from lelight.settings import Settings
@@ -70,6 +70,7 @@ def screened():
 def drawn(guide, *, seed):
     """Moments (REPLICATES, r, 6, 1) of direct light at some nodes."""
     stage, receivers = screened()
+    receivers = with_unblocked(stage.world, receivers, guide.sight if guide is not None else unseen())
     return np.array(
         [
             direct_light(stage.world, receivers, samples=Stretch.of(3), seed=(seed, k), guide=guide)[0]
@@ -89,6 +90,17 @@ def test_direct_light_is_the_same_whatever_is_believed_to_be_in_sight():
         means = [each[:, lit_ones, part, 0].mean(axis=1, keepdims=True) for each in (unaware, aware, wrong)]
         assert same_mean(means[0], means[1], relative_error=0.005)
         assert same_mean(means[0], means[2], relative_error=0.01)
+
+
+def test_what_is_known_once_is_what_is_found_anew():
+    stage, receivers = screened()
+    assert np.isfinite(receivers.unblocked).all() and receivers.unblocked.any()
+    anew = replace(receivers, unblocked=np.full((len(receivers), 1), np.nan))
+    once, again = (
+        direct_light(stage.world, each, samples=Stretch.of(3), seed=(9,), guide=stage.base.guide)[0]
+        for each in (receivers, anew)
+    )
+    np.testing.assert_array_equal(once, again)
 
 
 def test_who_knows_what_is_in_sight_scatters_half_as_much():

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from lelight.channels import luminance_weighted
 from lelight.checkpoint.keeper import Keeper
@@ -24,13 +23,15 @@ from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.cells import Cells
 from lelight.estimate.direct import direct_light_and_sight
 from lelight.estimate.gmres import gmres
-from lelight.estimate.guide import Guide, cells_of, sides_for
+from lelight.estimate.guide import Guide, cells_of, densities, sides_for
 from lelight.estimate.nearfield import hemisphere_rays
 from lelight.mesh.locate import Locator, interpolate
+from lelight.mesh.neighbours import alike
 from lelight.mesh.nodes import NodeMesh
 from lelight.receivers import ILLUMINANCE, Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.rays import Float32Array
+from lelight.tracing.sight import Shares, shares
 from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
 
@@ -147,7 +148,7 @@ def solve_base(
             chunks,
             form_of(_Rows),
         )
-        return _solution(world, mesh, list(parts))
+        return _solution(world, mesh, _Rows.stacked(list(parts)))
 
     solved = keep.once(name, solve, form_of(_Solved))
     return BaseField(
@@ -158,76 +159,66 @@ def solve_base(
         diffuse=world.reflectances.diffuse,
         materials=world.materials,
         spots=solved.spots,
-        guide=Guide.of(
-            solved.light,
-            solved.sent,
-            mesh.positions,
-            mesh.normals,
-            hidden=mesh.hidden,
-            to_sources=(solved.asked, solved.clear),
-        ),
+        guide=Guide.of(solved.density, solved.sight, mesh.positions, mesh.normals, hidden=mesh.hidden),
     )
 
 
 @dataclass(frozen=True)
 class _Rows:
-    """Direct light (r, C) of some nodes, and rows of the gathering operator: weights and nodes by row.
+    """Direct light of some nodes, and what their rays met, node by node.
 
-    Every node has one row for each cell of its guide; together they are what it gathers. Into each cell it
-    has sent (r, cells) rays; to each source it has sent (r, S), some of which met nothing. Weights that few rays have
-    drawn need no double precision.
+    Attributes
+    ----------
+    direct : (r, C) float
+    sent : (r, cells) uint8, rays into each cell of the guide
+    counts : (r,) int, rays of each node that met something
+    cells : (h,) int, of the guide, that each of those went into
+    nodes, weights : (h, 3) int and float, around the place that it met; weights are shares of one ray. What few rays
+        have drawn needs no double precision
+    asked, clear : (r, S) uint8, rays that went to each source, and those of them that met nothing
     """
 
     direct: FloatArray
-    sent: NDArray[np.int32]
-    weights: Float32Array
-    nodes: NDArray[np.int32]
+    sent: NDArray[np.uint8]
     counts: NDArray[np.int32]
+    cells: NDArray[np.int32]
+    nodes: NDArray[np.int32]
+    weights: Float32Array
     asked: NDArray[np.uint8]
     clear: NDArray[np.uint8]
+
+    @classmethod
+    def stacked(cls, parts: list[_Rows]) -> _Rows:
+        """Put the rows of all nodes one after the other."""
+        return cls(*(np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(cls)))
 
 
 @dataclass(frozen=True)
 class _Solved:
-    """Illuminance (n, C), whether there are spots, light (n, cells) through the guide's cells and rays sent there."""
+    """Illuminance (n, C), whether there are spots, and the guide's density (n, s, s) and sight (n, S)."""
 
     illuminance: FloatArray
     spots: bool
-    light: Float32Array
-    sent: NDArray[np.int32]
-    asked: NDArray[np.uint8]
-    clear: NDArray[np.uint8]
+    density: Float32Array
+    sight: Shares
 
 
-def _solution(world: World, mesh: NodeMesh, parts: list[_Rows]) -> _Solved:
-    """Put the rows together and solve."""
-    direct = np.concatenate([part.direct for part in parts])
+def _solution(world: World, mesh: NodeMesh, rows: _Rows) -> _Solved:
+    """Solve for the illuminance, and tell by it where light comes from."""
+    direct = rows.direct
     # The spot that a close lamp makes is left to the chains, which light leads there; rays would miss it.
     most = BRIGHTEST_SPOT * np.average(direct, axis=0, weights=mesh.areas)
     spots = bool(np.any(direct > SPOT * most))
     direct = np.minimum(direct, most)
     albedo = world.reflectances.diffuse + world.reflectances.specular
-    by_cell = _stacked(parts, len(mesh))
     reflected = albedo[mesh.materials]
-    illuminance = _solved(_gathering(by_cell, len(mesh)), direct, reflected)
-    light = by_cell @ luminance_weighted(reflected * illuminance).astype(np.float32)
-    sent, asked, clear = (
-        np.concatenate([getattr(part, name) for part in parts]) for name in ("sent", "asked", "clear")
+    illuminance = _solved(rows, direct, reflected)
+    light, exitance = np.zeros(rows.sent.shape), luminance_weighted(reflected * illuminance)
+    _add_to_cells(rows.weights, rows.nodes, rows.counts, rows.cells, exitance, light)
+    around = alike(mesh.positions, mesh.normals, left_out=mesh.hidden)
+    return _Solved(
+        illuminance, spots, densities(light, rows.sent, around), shares(rows.asked, rows.clear, around)
     )
-    return _Solved(illuminance, spots, light.reshape(sent.shape), sent, asked, clear)
-
-
-def _gathering(by_cell: csr_array, nodes: int) -> csr_array:
-    """Add the rows of each node's cells up."""
-    # Copies: the sum is made in place.
-    weights, columns, first = (
-        by_cell.data.astype(np.float64),
-        by_cell.indices.copy(),
-        by_cell.indptr[:: by_cell.shape[0] // nodes].copy(),
-    )
-    gathering = csr_array((weights, columns, first), shape=(nodes, by_cell.shape[1]))
-    gathering.sum_duplicates()
-    return gathering
 
 
 def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray, seed: int) -> _Rows:
@@ -245,29 +236,58 @@ def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray
     sides = np.where(hits.front[met], 1, -1)
     nodes, weights = locator.find(hits.points[met], labels[triangle], sides)
     across = sides_for(log2_rays)
-    cell = owner * across**2 + cells_of(numbers, across)
-    rows = np.repeat(cell[met], nodes.shape[1])
-    shape = (len(receivers) * across**2, len(locator))
-    operator = csr_array((weights.ravel() / 2**log2_rays, (rows, nodes.ravel())), shape=shape)
+    cells = cells_of(numbers, across)
+    sent = np.bincount(owner * across**2 + cells, minlength=len(receivers) * across**2)
     return _Rows(
         direct=direct[:, ILLUMINANCE],
-        sent=np.bincount(cell, minlength=shape[0]).reshape(-1, across**2).astype(np.int32),
-        weights=operator.data.astype(np.float32),
-        nodes=operator.indices.astype(np.int32, copy=False),
-        counts=np.diff(operator.indptr).astype(np.int32, copy=False),
+        sent=sent.reshape(-1, across**2).astype(np.uint8),
+        counts=np.bincount(owner[met], minlength=len(receivers)).astype(np.int32),
+        cells=cells[met].astype(np.int32),
+        nodes=nodes.astype(np.int32),
+        weights=(weights / 2**log2_rays).astype(np.float32),
         asked=asked,
         clear=clear,
     )
 
 
-def _stacked(parts: list[_Rows], columns: int) -> csr_array:
-    data = np.concatenate([part.weights for part in parts])
-    indices = np.concatenate([part.nodes for part in parts])
-    counts = np.concatenate([part.counts for part in parts])
-    return csr_array((data, indices, np.concatenate([[0], np.cumsum(counts)])), shape=(len(counts), columns))
+@njit(**LEAF)
+def _gather(
+    weights: Float32Array,
+    nodes: NDArray[np.int32],
+    counts: NDArray[np.int32],
+    exitance: FloatArray,
+    gathered: FloatArray,
+) -> None:
+    """Write what nodes (n,) gather by their rays where each node sends out (n,)."""
+    h = 0
+    for i in range(len(counts)):
+        total = 0.0
+        for _ in range(counts[i]):
+            for corner in range(3):
+                total += weights[h, corner] * exitance[nodes[h, corner]]
+            h += 1
+        gathered[i] = total
 
 
-def _solved(operator: csr_array, direct: FloatArray, albedo: FloatArray) -> FloatArray:
+@njit(**LEAF)
+def _add_to_cells(
+    weights: Float32Array,
+    nodes: NDArray[np.int32],
+    counts: NDArray[np.int32],
+    cells: NDArray[np.int32],
+    exitance: FloatArray,
+    light: FloatArray,
+) -> None:
+    """Add what nodes gather to the cells (n, cells) that it came through."""
+    h = 0
+    for i in range(len(counts)):
+        for _ in range(counts[i]):
+            for corner in range(3):
+                light[i, cells[h]] += weights[h, corner] * exitance[nodes[h, corner]]
+            h += 1
+
+
+def _solved(rows: _Rows, direct: FloatArray, albedo: FloatArray) -> FloatArray:
     """Find the fixed point e = direct + A (albedo e), (n, C), channel by channel.
 
     Walls that reflect nearly all need a few dozen steps of GMRES, where plain iteration needs thousands.
@@ -277,7 +297,7 @@ def _solved(operator: csr_array, direct: FloatArray, albedo: FloatArray) -> Floa
         scale = float(direct[:, c].max(initial=0.0))
         own = direct[:, c] / scale if scale > 0.0 else direct[:, c]
         found = gmres(
-            partial(_without_reflection, operator, albedo[:, c]),
+            partial(_without_reflection, rows, albedo[:, c]),
             own,
             settled=SETTLED,
             restart=RESTART,
@@ -287,6 +307,8 @@ def _solved(operator: csr_array, direct: FloatArray, albedo: FloatArray) -> Floa
     return illuminance
 
 
-def _without_reflection(operator: csr_array, albedo: FloatArray, illuminance: FloatArray) -> FloatArray:
+def _without_reflection(rows: _Rows, albedo: FloatArray, illuminance: FloatArray) -> FloatArray:
     """Take from an illuminance (n,) what is gathered from the others: e - A (albedo e)."""
-    return np.asarray(illuminance - operator @ (albedo * illuminance))
+    gathered = np.empty_like(illuminance)
+    _gather(rows.weights, rows.nodes, rows.counts, albedo * illuminance, gathered)
+    return illuminance - gathered

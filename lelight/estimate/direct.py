@@ -33,7 +33,7 @@ from lelight.tracing.drawing import (
 from lelight.tracing.emitters import Emitters
 from lelight.tracing.lamps import has_closed_form, toward_lamp
 from lelight.tracing.sampling import mix, rotated, uniform
-from lelight.tracing.sight import WHOLE, Shares, unseen
+from lelight.tracing.sight import Shares, known_share, unseen
 from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.triangles import triangle_density
 from lelight.tracing.world import World
@@ -242,6 +242,57 @@ def closed_forms(emitters: Emitters, points: FloatArray, normals: FloatArray) ->
     return exact
 
 
+def with_unblocked(world: World, receivers: Receivers, sight: Shares) -> Receivers:
+    """Find once for all what closed forms give receivers that know how much of the emitters they see."""
+    unblocked = np.zeros((len(receivers), world.channels))
+    _fill_unblocked(
+        world.emitters,
+        receivers.points,
+        receivers.normals,
+        receivers.clear_share,
+        receivers.rows,
+        sight,
+        unblocked,
+    )
+    return replace(receivers, unblocked=unblocked)
+
+
+@njit(**COMPILED)
+def _fill_unblocked(
+    emitters: Emitters,
+    points: FloatArray,
+    normals: FloatArray,
+    clear_share: FloatArray,
+    rows: IntArray,
+    sight: Shares,
+    unblocked: FloatArray,
+) -> None:
+    control = np.empty(len(emitters.power))
+    for r in range(len(points)):
+        row = rows[r] if sight.shape[1] > 0 else -1
+        if clear_share[r] > 0.0:
+            _add_known(emitters, points[r], normals[r], row, sight, clear_share[r], control, unblocked[r])
+
+
+@njit(**LEAF)
+def _add_known(
+    emitters: Emitters,
+    point: FloatArray,
+    normal: FloatArray,
+    row: int,
+    sight: Shares,
+    clear_share: float,
+    control: FloatArray,
+    unblocked: FloatArray,
+) -> None:
+    """Add the share of each source's light that is taken from the closed form (C,); ``control`` (S,) is scratch."""
+    x, y, z = point
+    nx, ny, nz = normal
+    for source in range(len(control)):
+        control[source] = known_share(sight, row, source, clear_share)
+    add_unblocked(emitters, x, y, z, nx, ny, nz, control, unblocked)
+
+
 class _Drawn:
     """Shadow rays of a block of receivers: the light each would bring, and its two ends."""
 
@@ -274,6 +325,7 @@ def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint6
         receivers.identity,
         receivers.clear_share,
         receivers.rows,
+        receivers.unblocked,
         sight,
         key,
         world.caster.offset,
@@ -317,6 +369,7 @@ def _draw_rays(
     identity: IntArray,
     clear_share: FloatArray,
     rows: IntArray,
+    unblocked: FloatArray,
     sight: Shares,
     key: np.uint64,
     offset: float,
@@ -346,12 +399,11 @@ def _draw_rays(
         row = rows[r] if sight.shape[1] > 0 else -1
         if not choice_cdf(emitters, x, y, z, nx, ny, nz, on_surface[r], row, sight, scratch):
             continue
-        if clear_share[r] > 0.0:
-            for source in range(len(control)):
-                control[source] = sight[row, source] / WHOLE if row >= 0 else clear_share[r]
-            add_unblocked(emitters, x, y, z, nx, ny, nz, control, closed_form[r])
-        else:
-            control[:] = 0.0
+        if clear_share[r] > 0.0 and np.isnan(unblocked[r, 0]):
+            _add_known(emitters, points[r], normals[r], row, sight, clear_share[r], control, closed_form[r])
+        elif clear_share[r] > 0.0:
+            for c in range(closed_form.shape[1]):
+                closed_form[r, c] = unblocked[r, c]
         own = mix(key, np.uint64(identity[r]))
         shifts = (uniform(own, np.uint64(0)), uniform(own, np.uint64(1)), uniform(own, np.uint64(2)))
         for s in range(len(numbers)):
@@ -366,7 +418,8 @@ def _draw_rays(
             cos_theta = d[0] * nx + d[1] * ny + d[2] * nz
             if factor <= 0.0 or (on_surface[r] and cos_theta <= 0.0):
                 continue
-            receiver[count], drawn_source[count], drawn_control[count] = r, source, control[source]
+            receiver[count], drawn_source[count] = r, source
+            drawn_control[count] = known_share(sight, row, source, clear_share[r])
             housing[count] = source_housing(emitters, source)
             directions[count, 0], directions[count, 1], directions[count, 2] = d
             for c in range(light.shape[1]):

@@ -33,8 +33,9 @@ from lelight.tracing.chains import ChainVertices
 from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
 
-#: Trial batches, and the samples of each part in one, as powers of two.
-TRIALS = 6
+#: Trial batches, and the samples of each part in one, as powers of two. A trial's chains are the same for all
+#: receivers, which therefore do not tell their variance together: of chains there are more trials.
+TRIALS, CHAIN_TRIALS = 6, 24
 TRIAL = (4, 2, 3)
 #: Chains that near paths of the trials end on, as power of two.
 LOG2_ENDS = 8
@@ -57,8 +58,9 @@ BOUNDS_WITH_SPOTS = (6.4, 51.2)
 BOUND_RECEIVERS = 512
 #: Least samples of the parts in a batch, and most, as powers of two.
 LEAST, MOST = (5, 2, 2), 16
-#: Most receivers on surfaces that are tried; each of the others samples like the nearest that was.
-MOST_TRIED = 1 << 16
+#: Receivers on surfaces that are tried: one in so many, but not less than these, nor more. Each of the others samples
+#: like the nearest that was.
+ONE_TRIED_IN, LEAST_TRIED, MOST_TRIED = 8, 1 << 12, 1 << 16
 #: Seeds of trials are apart from those of batches.
 TRIAL_SEED = 1 << 20
 
@@ -170,7 +172,7 @@ class _Trials:
                 self.variant,
                 seed=(self.seed, TRIAL_SEED + k, CHAINS),
             )
-            for k in range(TRIALS)
+            for k in range(CHAIN_TRIALS)
         ]
 
     @cached_property
@@ -178,7 +180,7 @@ class _Trials:
         """What near paths end on: more chains than are tried, lest their noise be taken for that of the paths."""
         if self.base is None:
             return None
-        seed, chains = (self.seed, TRIAL_SEED + TRIALS, CHAINS), Stretch.of(LOG2_ENDS)
+        seed, chains = (self.seed, TRIAL_SEED + CHAIN_TRIALS, CHAINS), Stretch.of(LOG2_ENDS)
         vertices = chain_vertices(self.world, self.base, chains, self.variant, seed=seed)
         return path_ends(self.world, self.base, vertices, path_bound(self.world, vertices))
 
@@ -221,7 +223,8 @@ def _chosen(
 def _to_be_tried(receivers: Receivers) -> IntArray:
     """Choose the receivers (k,) that a trial asks: all in space, on surfaces evenly as many as are enough."""
     on_surface = np.flatnonzero(receivers.on_surface)
-    some = on_surface[:: -(-len(on_surface) // MOST_TRIED)] if len(on_surface) else on_surface
+    wanted = min(max(len(on_surface) // ONE_TRIED_IN, LEAST_TRIED), MOST_TRIED)
+    some = on_surface[:: max(1, -(-len(on_surface) // wanted))]
     return np.sort(np.concatenate([some, np.flatnonzero(~receivers.on_surface)]))
 
 
@@ -284,55 +287,72 @@ def least_error(effort: Effort) -> float:
 
 @dataclass(frozen=True)
 class _Tried:
-    """What trials found at a block of receivers: light (TRIALS, 3, b) by part, and rays (3,)."""
+    """What trials found at a block of receivers.
 
-    light: FloatArray
+    Attributes
+    ----------
+    chains : (CHAIN_TRIALS, b) float, light that they give
+    own : (TRIALS, 2, b) float, direct light and near field
+    rays : (3,) float, that a trial of each part took
+    """
+
+    chains: FloatArray
+    own: FloatArray
     rays: FloatArray
 
 
 def _spread(trials: _Trials, name: str, receivers: Receivers, bound: float, areas: FloatArray) -> Spread:
     """Try a few small batches at all receivers."""
-    world, base, variant, seed = trials.world, trials.base, trials.variant, trials.seed
-    guide = base.guide if base is not None else None
-    chains = trials.chains
-    light = np.zeros((TRIALS, len(TRIAL), len(receivers)))
-    rays = np.zeros(len(TRIAL))
-
-    def try_block(block: IntArray) -> _Tried:
-        own = receivers[block]
-        found, spent = np.zeros((TRIALS, len(TRIAL), len(own))), np.zeros(len(TRIAL))
-        at_once = Turn.of_all(Stretch.of(TRIAL[2]), len(own))
-        for k, vertices in enumerate(chains):
-            trial = (seed, TRIAL_SEED + k)
-            of_chains = chain_light(world, own, vertices, variant, bound=bound, seed=(*trial, DISC))
-            direct, direct_rays = direct_light(
-                world, own, samples=Stretch.of(TRIAL[1]), seed=(*trial, DIRECT), guide=guide
-            )
-            near = near_light(
-                world,
-                own,
-                (at_once,),
-                variant,
-                bound=bound,
-                seed=(*trial, NEAR),
-                base=base,
-                ends=trials.ends,
-            )
-            for part, moments in enumerate((of_chains.moments, direct, near.moments)):
-                found[k, part] = luminance_weighted(moments[:, ILLUMINANCE])
-            of_pairs = of_chains.rays + PAIR_COST * len(vertices) * len(own)
-            spent += np.array([of_pairs, INCOHERENT_COST * direct_rays, INCOHERENT_COST * near.rays])
-        return _Tried(found, spent)
-
     blocks = list(blocks_of(receivers.degrees))
-    parts = trials.keep.map(trials.executor, f"effort/{name}", try_block, blocks, form_of(_Tried))
+    parts = trials.keep.map(
+        trials.executor,
+        f"effort/{name}",
+        lambda block: _tried(trials, receivers[block], bound),
+        blocks,
+        form_of(_Tried),
+    )
+    chains, own = np.zeros((CHAIN_TRIALS, len(receivers))), np.zeros((TRIALS, 2, len(receivers)))
+    rays = np.zeros(len(TRIAL))
     for block, tried in zip(blocks, parts, strict=True):
-        light[:, :, block] = tried.light
+        chains[:, block], own[:, :, block] = tried.chains, tried.own
         rays += tried.rays
     samples = 2.0 ** np.array(TRIAL)
-    mean = light.sum(axis=1).mean(axis=0)
+    mean = chains.mean(axis=0) + own.sum(axis=1).mean(axis=0)
     floor = np.maximum(mean, DARK_SHARE * np.average(mean, weights=areas))
-    relative = light.var(axis=0, ddof=1) / np.maximum(floor, np.finfo(float).tiny) ** 2
-    cost = rays / (TRIALS * len(receivers) * samples)
-    cost[0] += START_COST / trials.receivers if base is not None else 0.0
+    variance = np.concatenate([chains.var(axis=0, ddof=1)[None], own.var(axis=0, ddof=1)])
+    relative = variance / np.maximum(floor, np.finfo(float).tiny) ** 2
+    cost = rays / (len(receivers) * samples)
+    cost[0] += START_COST / trials.receivers if trials.base is not None else 0.0
     return Spread(relative * samples[:, None], cost)
+
+
+def _tried(trials: _Trials, receivers: Receivers, bound: float) -> _Tried:
+    """Try a few small batches at a block of receivers."""
+    world, base, variant, seed = trials.world, trials.base, trials.variant, trials.seed
+    guide = base.guide if base is not None else None
+    chains, own = np.zeros((CHAIN_TRIALS, len(receivers))), np.zeros((TRIALS, 2, len(receivers)))
+    rays = np.zeros(len(TRIAL))
+    for k, vertices in enumerate(trials.chains):
+        lit = chain_light(world, receivers, vertices, variant, bound=bound, seed=(seed, TRIAL_SEED + k, DISC))
+        chains[k] = luminance_weighted(lit.moments[:, ILLUMINANCE])
+        rays[0] += (lit.rays + PAIR_COST * len(vertices) * len(receivers)) / CHAIN_TRIALS
+    at_once = Turn.of_all(Stretch.of(TRIAL[2]), len(receivers))
+    for k in range(TRIALS):
+        trial = (seed, TRIAL_SEED + k)
+        direct, direct_rays = direct_light(
+            world, receivers, samples=Stretch.of(TRIAL[1]), seed=(*trial, DIRECT), guide=guide
+        )
+        near = near_light(
+            world,
+            receivers,
+            (at_once,),
+            variant,
+            bound=bound,
+            seed=(*trial, NEAR),
+            base=base,
+            ends=trials.ends,
+        )
+        for part, moments in enumerate((direct, near.moments)):
+            own[k, part] = luminance_weighted(moments[:, ILLUMINANCE])
+        rays[1:] += INCOHERENT_COST / TRIALS * np.array([direct_rays, near.rays])
+    return _Tried(chains, own, rays)

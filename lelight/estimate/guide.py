@@ -15,19 +15,17 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from lelight.compilation import LEAF
-from lelight.mesh.neighbours import Alike, alike
+from lelight.compilation import COMPILED, LEAF
+from lelight.mesh.neighbours import Alike
 from lelight.receivers import Receivers
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.rays import Float32Array
-from lelight.tracing.sight import Shares, shares
+from lelight.tracing.sight import Shares
 
 #: Cells across each of the two numbers, where a place has sent out at least so many rays, as power of two.
 SIDES = ((8, 24), (6, 16), (0, 8))
 #: Share of draws that do not care where light comes from.
 EVENLY = 0.2
-#: Places whose densities are found at once.
-PLACES_AT_ONCE = 8192
 #: Just below one.
 _LAST = math.nextafter(1.0, 0.0)
 
@@ -55,19 +53,15 @@ class Guide:
     @classmethod
     def of(
         cls,
-        light: Float32Array,
-        rays: NDArray[np.integer],
+        density: Float32Array,
+        sight: Shares,
         points: FloatArray,
         normals: FloatArray,
         *,
         hidden: BoolArray,
-        to_sources: tuple[NDArray[np.uint8], NDArray[np.uint8]],
     ) -> Guide:
-        """Take what rays found at places (n, 3), some of them hidden: see `densities` and `shares`."""
+        """Take what was found at places (n, 3), some of them hidden: see `densities` and `sight.shares`."""
         rows = np.flatnonzero(~hidden)
-        around = alike(points, normals, left_out=hidden)
-        sight = shares(*to_sources, around)
-        density = densities(light, rays, around)
         return cls(density, density.sum(axis=2), Alike(points[rows], normals[rows]), rows, sight)
 
     def leading(self, receivers: Receivers) -> Receivers:
@@ -98,7 +92,7 @@ def unguided() -> tuple[Float32Array, Float32Array]:
     return np.zeros((0, 1, 1), dtype=np.float32), np.zeros((0, 1), dtype=np.float32)
 
 
-def densities(light: Float32Array, rays: NDArray[np.integer], around: IntArray) -> Float32Array:
+def densities(light: FloatArray, rays: NDArray[np.integer], around: IntArray) -> Float32Array:
     """Densities (n, s, s) by what few rays saw: places around share it, and so do cells with those beside them.
 
     Parameters
@@ -107,33 +101,59 @@ def densities(light: Float32Array, rays: NDArray[np.integer], around: IntArray) 
     rays : (n, s * s) int, how many went there; light that is the same everywhere leaves directions even
     around : (n, k) int, places that share what they saw
     """
-    sent: Float32Array = (rays / rays.mean(axis=1, keepdims=True)).astype(np.float32)
-    mean = light.mean(axis=1, keepdims=True)
-    found = np.divide(light, mean, out=sent.copy(), where=mean > 0.0)
-    sides = math.isqrt(sent.shape[1])
-    density = np.empty((len(sent), sides, sides), dtype=np.float32)
-    for first in range(0, len(around), PLACES_AT_ONCE):
-        own = slice(first, first + PLACES_AT_ONCE)
-        shared, among = _shared(found, around[own]), _shared(sent, around[own])
-        bright = np.divide(shared, among, out=np.ones_like(shared), where=among > 0.0)
-        bright *= (1.0 - EVENLY) / bright.mean(axis=1, keepdims=True)
-        density[own] = EVENLY + bright.reshape(-1, sides, sides)
+    sides = math.isqrt(rays.shape[1])
+    density = np.empty((len(around), sides, sides), dtype=np.float32)
+    _fill_densities(light, rays, around, density)
     return density
 
 
-def _shared(values: Float32Array, around: IntArray) -> FloatArray:
-    """Average values (n, cells) over places around (k, j) and cells beside each other: (k, cells)."""
-    pooled, sides = np.zeros((len(around), values.shape[1])), math.isqrt(values.shape[1])
-    for column in around.T:
-        pooled += values[column]
-    grid = pooled.reshape(-1, sides, sides) / around.shape[1]
-    grid = _beside(np.pad(grid, ((0, 0), (1, 1), (0, 0)), mode="edge"), axis=1)[:, 1:-1]
-    return _beside(grid, axis=2).reshape(pooled.shape)
+@njit(**COMPILED)
+def _fill_densities(
+    light: FloatArray, rays: NDArray[np.integer], around: IntArray, density: Float32Array
+) -> None:
+    sides, cells = density.shape[1], rays.shape[1]
+    bright_scales, sent_scales = np.empty(len(rays)), np.empty(len(rays))
+    for n in range(len(rays)):
+        all_light, all_rays = 0.0, 0.0
+        for cell in range(cells):
+            all_light += light[n, cell]
+            all_rays += rays[n, cell]
+        sent_scales[n] = cells / all_rays
+        bright_scales[n] = cells / all_light if all_light > 0.0 else 0.0
+    bright, sent, scratch = np.empty(cells), np.empty(cells), np.empty(cells)
+    for n in range(len(around)):
+        bright[:], sent[:] = 0.0, 0.0
+        for place in around[n]:
+            # Where all is dark, light is expected wherever rays went.
+            dark = bright_scales[place] <= 0.0
+            for cell in range(cells):
+                share = rays[place, cell] * sent_scales[place]
+                sent[cell] += share
+                bright[cell] += share if dark else light[place, cell] * bright_scales[place]
+        _smooth(bright, scratch, sides)
+        _smooth(sent, scratch, sides)
+        total = 0.0
+        for cell in range(cells):
+            bright[cell] = bright[cell] / sent[cell] if sent[cell] > 0.0 else 1.0
+            total += bright[cell]
+        for i in range(sides):
+            for j in range(sides):
+                density[n, i, j] = EVENLY + (1.0 - EVENLY) * cells / total * bright[i * sides + j]
 
 
-def _beside(grid: FloatArray, *, axis: int) -> FloatArray:
-    """Average cells with the two beside them, half and half, around the circle."""
-    return np.asarray(0.5 * grid + 0.25 * (np.roll(grid, 1, axis) + np.roll(grid, -1, axis)))
+@njit(**LEAF)
+def _smooth(values: FloatArray, scratch: FloatArray, sides: int) -> None:
+    """Average cells (s * s,) with those beside them, half and half, in place: azimuths are a circle, elevations end."""
+    for i in range(sides):
+        below, above = max(i - 1, 0) * sides, min(i + 1, sides - 1) * sides
+        for j in range(sides):
+            own = values[i * sides + j]
+            scratch[i * sides + j] = 0.5 * own + 0.25 * (values[below + j] + values[above + j])
+    for i in range(sides):
+        row = i * sides
+        for j in range(sides):
+            before, after = (j - 1) % sides, (j + 1) % sides
+            values[row + j] = 0.5 * scratch[row + j] + 0.25 * (scratch[row + before] + scratch[row + after])
 
 
 def cells_of(numbers: FloatArray, sides: int) -> IntArray:

@@ -62,6 +62,14 @@ def unseen() -> Shares:
 
 
 @njit(**LEAF)
+def known_share(sight: Shares, row: int, source: int, clear_share: float) -> float:
+    """Share of a source's light that is taken as known: what comes through by sight, or of all, and none of none."""
+    if row < 0 or clear_share <= 0.0:
+        return clear_share
+    return float(sight[row, source] / WHOLE)
+
+
+@njit(**LEAF)
 def importance_in_sight(sight: Shares, row: int, source: int) -> float:
     """Factor by which sight changes the importance of a source; no row changes nothing."""
     if row < 0:
