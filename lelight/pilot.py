@@ -301,7 +301,7 @@ def _places(
     triangle = order[np.clip(np.searchsorted(reach, at), first[owner], last[owner])]
     root, v = np.sqrt(rng.random(len(owner))), rng.random(len(owner))
     weights = np.stack([1.0 - root, root * (1.0 - v), root * v], axis=1)
-    corners = scene.corners[triangle]
+    corners = scene.vertices[scene.triangles[triangle]]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(cross, axis=1, keepdims=True)
     normals = np.where(sides[owner] == 0, 1.0, -1.0)[:, None] * cross / np.maximum(length, 1e-300)

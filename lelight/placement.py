@@ -18,6 +18,7 @@ from lelight.checkpoint.records import form_of
 from lelight.crowding import crowded, require_room
 from lelight.estimate.base import BaseField, solve_base
 from lelight.estimate.direct import with_clear_share, with_unblocked
+from lelight.memory import allowed_memory, require_fitting
 from lelight.mesh.grading import graded
 from lelight.mesh.locate import patch_sides
 from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
@@ -144,18 +145,30 @@ def _seen_nodes(site: Site, surface: SurfaceMesh, lit: BoolArray, name: str) -> 
 def solved_base(
     site: Site, placed: Placed, edge: float, name: str, *, nodes: Receivers | None = None
 ) -> BaseField:
-    """Solve the base field at the nodes, or on a coarser mesh where there are very many.
+    """Solve the base field at the nodes, or on a coarser mesh where there are very many; not without memory for it.
 
     Parameters
     ----------
     nodes : receivers at the nodes that know how much of the emitters they see, where there are such already
     """
     mesh = placed.mesh
-    if len(mesh) > MOST_BASE_NODES:
+    # Longer edges leave so many nodes or, where the scene's own triangles ask for them, more.
+    if WORTH_COARSENING * len(mesh) > MOST_BASE_NODES:
         coarse = edge * (len(mesh) / MOST_BASE_NODES) ** 0.5
         found = site.keep.once(f"{name} mesh", lambda: _coarse_nodes(site, placed, coarse), form_of(NodeMesh))
         if len(found) < len(mesh):
             mesh, nodes = found, None
+    require_fitting(
+        site.scene.name,
+        len(placed.mesh),
+        0,
+        degree=0,
+        channels=site.world.channels,
+        edge=edge,
+        allowed=allowed_memory(site.settings.memory),
+        triangles=len(site.scene.triangles),
+        base_nodes=len(mesh),
+    )
     if nodes is None:
         nodes = joined([with_surface(space_receivers(mesh.positions, mesh.normals))])
         nodes = with_shared_clear_share(site, nodes, f"{name} clear share")

@@ -226,8 +226,9 @@ class Scene:
     @property
     def diagonal(self) -> float:
         """Length in m of the diagonal of the bounding box of all that is used."""
-        used = self.vertices[np.unique(self.triangles)]
-        return float(np.linalg.norm(np.ptp(used, axis=0)))
+        used = np.zeros(len(self.vertices), dtype=np.bool_)
+        used[self.triangles] = True
+        return float(np.linalg.norm(np.ptp(self.vertices[used], axis=0)))
 
 
 def triangle_normals(corners: FloatArray) -> FloatArray:

@@ -1,7 +1,10 @@
 """How time and memory grow with nodes, triangles, harmonics and threads; exponents by least squares.
 
-Run by hand: ``python tests/bench_scaling.py nodes triangles degree threads --csv scaling.csv``. Every run is a process
-of its own; the time is that inside the run, the memory its peak. Chain vertices are in `bench_pairs`.
+Run by hand: ``python tests/bench_scaling.py nodes triangles tessellation degree threads --csv scaling.csv``. Every run
+is a process of its own; the time is that inside the run, the memory its peak. Chain vertices are in `bench_pairs`.
+
+Triangles of boxes ask for nodes of their own, those of a tessellated smooth surface only until they are fine enough
+for it: there triangles grow alone.
 """
 
 from __future__ import annotations
@@ -17,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 from rooms import grey, lit, panel
-from shapes import box, placed
+from shapes import Shape, box, icosphere, placed
 
 from lelight.calculation import calculate
 from lelight.scene import Scene
@@ -28,9 +31,12 @@ TARGET = 0.05
 LAWS = {
     "nodes": (1e3, 1e4, 1e5, 1e6),
     "triangles": (1e3, 1e4, 1e5),
+    "tessellation": tuple(20.0 * 4**levels for levels in (3, 5, 6, 7, 8, 9)),
     "degree": (0, 8, 16, 32, 64),
     "threads": (1, 2),
 }
+#: Which count grows along a law.
+GROWN = {"nodes": "nodes", "triangles": "triangles", "tessellation": "triangles"}
 SIZE = (6.0, 5.0, 3.0)
 
 
@@ -72,6 +78,27 @@ def hall_of(triangles: int) -> Scene:
     )
 
 
+def in_order(shape: Shape, levels: int) -> Shape:
+    """An icosphere whose triangles follow those they share edges with, as files of fine surfaces have them."""
+    vertices, faces = shape
+    faces = faces.reshape(*[4] * levels, 20, 3).transpose(*range(levels, -1, -1), levels + 1).reshape(-1, 3)
+    first = np.argsort(np.unique(faces, return_index=True)[1])
+    return vertices[first], np.argsort(first)[faces]
+
+
+def sculpture_of(triangles: int) -> Scene:
+    """The room with a smooth bumpy ball in its middle, of 20 times a power of 4 triangles near those asked for."""
+    levels = round(np.log(triangles / 20) / np.log(4))
+    directions, faces = in_order(icosphere(levels), levels)
+    radii = 1.0 + 0.08 * np.prod(np.sin(4.0 * directions + 1.0), axis=1)
+    return lit(
+        box(SIZE),
+        placed((radii[:, None] * directions, faces), shift=(3.0, 2.5, 1.4)),
+        panel((2.4, 2.0, 2.9), (0.0, 1.0, 0.0), (1.2, 0.0, 0.0)),
+        materials=[grey("walls", 0.6), grey("sculpture", 0.4), grey("lamp", 0.5, luminance=3000.0)],
+    )
+
+
 def edge_for(nodes: float) -> float:
     """Edge in m that makes about so many nodes of the room."""
     return float(np.sqrt(150.0 / nodes))
@@ -85,6 +112,8 @@ def one_run(law: str, size: float) -> dict[str, float]:
         settings = replace(settings, edge=edge_for(size))
     elif law == "triangles":
         scene, settings = hall_of(int(size)), replace(settings, edge=0.5)
+    elif law == "tessellation":
+        scene, settings = sculpture_of(int(size)), replace(settings, edge=0.15)
     elif law == "degree":
         scene = room(exponent=30.0) if size else scene
         settings = replace(settings, degree=int(size) or None)
@@ -118,8 +147,8 @@ def law_of(law: str) -> list[dict[str, float]]:
         )
         rows.append(json.loads(child.stdout.strip().splitlines()[-1]))
         print(law, " ".join(f"{name} {value:.4g}" for name, value in rows[-1].items()), flush=True)
-    if law in ("nodes", "triangles"):
-        sizes = np.array([row[law] for row in rows])
+    if grown := GROWN.get(law):
+        sizes = np.array([row[grown] for row in rows])
         for cost in ("cpu_s", "memory_mb"):
             print(
                 f"{law}: {cost} grows as the power {exponent(sizes, np.array([row[cost] for row in rows])):.2f}"

@@ -82,6 +82,15 @@ def test_less_room_changes_no_bit(tmp_path, monkeypatch):
         np.testing.assert_array_equal(values, getattr(narrow.field.values, name), err_msg=name)
 
 
+def test_a_base_that_cannot_fit_is_refused_before_it_is_solved(tmp_path, monkeypatch):
+    """Where the scene's own triangles ask for nodes, only the mesh tells how many there are."""
+    monkeypatch.setattr("lelight.placement.solve_base", lambda *_, **__: pytest.fail("was solved"))
+    scene = load(write_room(tmp_path, toml=ROOM_TOML))
+    allowed = memory.AT_REST + memory.LEAST_ROOM + 2e6
+    with pytest.raises(SceneError, match=r"places take .* of memory"):
+        calculate(scene, Settings(edge=0.15, target=0.2, threads=1, memory=allowed))
+
+
 def test_a_mesh_that_cannot_fit_is_refused_before_it_is_made(tmp_path):
     outcome = lelight("calc", write_room(tmp_path), "--edge", "0.003", "--memory", "1GB", "--quiet")
     assert outcome.status == 1

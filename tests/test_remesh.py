@@ -12,6 +12,7 @@ import lelight.mesh.remesh
 from lelight.mesh.bisection import bisect
 from lelight.mesh.patches import patches
 from lelight.mesh.pieces import triangle_quality
+from lelight.mesh.quads import grid_quads
 from lelight.mesh.remesh import FAITHFUL, default_edge, remesh
 from lelight.reading.loading import load
 from lelight.scene import triangle_areas, triangle_normals
@@ -141,6 +142,17 @@ def test_a_rectangle_is_a_grid_of_the_fewest_cells_however_it_is_triangulated(ed
     columns, rows = int(np.ceil(1 / edge)), int(np.ceil(0.5 / edge))
     assert len(surface.vertices) == (columns + 1) * (rows + 1)
     assert len(surface.triangles) == 2 * columns * rows
+
+
+def test_a_bent_sheet_of_very_many_triangles_gets_an_edge_that_covers_it():
+    """At the edge that is asked for it would lose too much area; its own triangles are far more than it needs."""
+    points, triangles, *_ = grid_quads(SQUARE[0][None], edge=1 / 80)
+    bowl = np.column_stack([points[:, :2], 0.1 * (points[:, :2] ** 2).sum(axis=1)])
+    scene = scene_of((bowl, triangles))
+    labels = patches(scene)
+    surface = remesh(scene, labels, edge=0.3)
+    assert_faithful(scene, surface, labels)
+    assert len(surface.vertices) < len(points) / 10
 
 
 def test_where_pymeshlab_fails_the_original_triangles_are_bisected(monkeypatch):

@@ -44,13 +44,12 @@ def enclosures(scene: Scene) -> Enclosures:
     Pieces hang together by edges that two of their triangles share, as corners are numbered in the file: boxes that
     stand exactly on one another are boxes.
     """
-    corners = scene.corners
-    best = Enclosures(np.arange(len(corners)), np.zeros((len(corners), 2), dtype=np.bool_))
-    for numbers in (np.arange(len(scene.vertices)), weld(scene.vertices)):
-        found = _closed(scene, numbers[scene.triangles])
-        if found.inner.sum() > best.inner.sum():
-            best = found
-    return best
+    written = _closed(scene, scene.triangles)
+    numbers = weld(scene.vertices)
+    if len(np.unique(numbers)) == len(numbers):
+        return written
+    welded = _closed(scene, numbers[scene.triangles])
+    return welded if welded.inner.sum() > written.inner.sum() else written
 
 
 def _closed(scene: Scene, triangles: IntArray) -> Enclosures:
@@ -81,12 +80,12 @@ def _closed(scene: Scene, triangles: IntArray) -> Enclosures:
 def _emitting_boxes(scene: Scene, piece: IntArray) -> tuple[FloatArray, FloatArray]:
     """Lower and upper corners (e, 3) of boxes around all triangles that emit."""
     own = np.flatnonzero(scene.emitting)
-    low, high = scene.corners[own].min(axis=1), scene.corners[own].max(axis=1)
+    corners = scene.vertices[scene.triangles[own]]
     if len(own) <= MOST_EMITTING:
-        return low, high
-    own = own[np.argsort(piece[own], kind="stable")]
-    first = np.unique(piece[own], return_index=True)[1]
-    corners = scene.corners[own]
+        return corners.min(axis=1), corners.max(axis=1)
+    order = np.argsort(piece[own], kind="stable")
+    first = np.unique(piece[own[order]], return_index=True)[1]
+    corners = corners[order]
     return np.minimum.reduceat(corners.min(axis=1), first), np.maximum.reduceat(corners.max(axis=1), first)
 
 

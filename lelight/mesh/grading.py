@@ -49,7 +49,7 @@ def graded(surface: SurfaceMesh, scene: Scene, labels: IntArray) -> SurfaceMesh:
 
 def _sources(scene: Scene) -> tuple[FloatArray, FloatArray]:
     """Places (s, 3) of all sources, and the edge (s,) in m that is short enough beside each."""
-    corners = scene.corners[scene.emitting]
+    corners = scene.vertices[scene.triangles[scene.emitting]]
     on_faces = np.einsum("pc,tcx->tpx", PLACES, corners).reshape(-1, 3)
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
     sizes = np.repeat(edges.max(axis=1, initial=0.0), len(PLACES))

@@ -2,7 +2,8 @@
 
 Rectangles get a grid. Everything else is cut by longest-edge bisection, which is exact; where the model's
 needles leave that misshapen or wasteful, pymeshlab remeshes the patch, and its mesh is taken only if it still
-covers the patch. This module is pymeshlab's only user.
+covers the patch; of a bent patch of very many triangles one of shorter edges may. This module is pymeshlab's only
+user.
 """
 
 from __future__ import annotations
@@ -51,6 +52,9 @@ POOR_QUALITY = 0.6
 
 #: So is one with this many times the triangles that equilateral ones of the wanted edge would need.
 WASTEFUL = 2.0
+
+#: A bent patch that loses too much is remeshed again at this share of the edge that would just do, and at half at most.
+SHORTER, AT_MOST = 0.9, 0.5
 
 
 def default_edge(scene: Scene) -> float:
@@ -114,23 +118,42 @@ def _worth_remeshing(torn: TornMesh, cut: Piece, edge: float) -> IntArray:
     quality = triangle_quality(cut.vertices[cut.triangles])
     count = np.bincount(cut.triangle_patches, minlength=torn.patch_count)
     mean_quality = np.bincount(cut.triangle_patches, quality, torn.patch_count) / np.maximum(count, 1)
-    wanted = torn.areas / (np.sqrt(3) / 4 * edge**2)
-    poor = (mean_quality < POOR_QUALITY) | (count > WASTEFUL * (wanted + 1))
+    poor = (mean_quality < POOR_QUALITY) | _wasteful(count, torn.areas, edge)
     return np.flatnonzero(poor & (count > 1) & (torn.diagonals > edge))
 
 
+def _wasteful(count: IntArray | int, area: FloatArray | float, edge: float) -> BoolArray:
+    """Tell whether patches of so many triangles and such areas in m² could do with far fewer of the edge."""
+    wanted = np.asarray(area) / (np.sqrt(3) / 4 * edge**2)
+    return np.asarray(count > WASTEFUL * (wanted + 1))
+
+
 def _remade(torn: TornMesh, patch: int, edge: float) -> Piece | None:
-    """Remesh one patch with pymeshlab, then with its border kept; None where neither covers the patch."""
+    """Remesh one patch with pymeshlab, then with its border kept; None where neither covers the patch.
+
+    Triangles with their corners on a bent patch lose area as the square of their edge: where a shorter one still
+    spares many of the patch's own triangles, that is tried before the border is kept.
+    """
     vertices, triangles = torn.piece(patch)
     origin = vertices.mean(axis=0)
-    for remesher in (_isotropic, _isotropic_inside):
-        points, faces = remesher(vertices - origin, triangles, edge)
+    attempts = [(_isotropic_inside, edge), (_isotropic, edge)]
+    while attempts:
+        remesher, length = attempts.pop()
+        points, faces = remesher(vertices - origin, triangles, length)
         if len(faces) == 0:
             continue
         points = _projected(points, vertices - origin, triangles, torn.flat[patch], torn.plane_normals[patch])
-        if _covers(points, faces, vertices - origin, triangles):
+        loss = _loss(points, faces, vertices - origin, triangles)
+        if loss <= FAITHFUL:
             same = [np.full(count, patch, dtype=np.int64) for count in (len(points), len(faces))]
             return select(Piece(points + origin, faces, *same), np.ones(len(faces), dtype=bool))
+        shorter = length * min(SHORTER * (FAITHFUL / loss) ** 0.5, AT_MOST)
+        if (
+            remesher is _isotropic
+            and not torn.flat[patch]
+            and _wasteful(len(triangles), torn.areas[patch], shorter)
+        ):
+            attempts.append((_isotropic, shorter))
     return None
 
 
@@ -196,8 +219,8 @@ def _projected(
     return nearest_points(points, same[0], vertices[triangles], same[1])[0]
 
 
-def _covers(points: FloatArray, faces: IntArray, vertices: FloatArray, triangles: IntArray) -> bool:
-    """Tell whether a mesh covers what the triangles cover: same extent, area and vector area.
+def _loss(points: FloatArray, faces: IntArray, vertices: FloatArray, triangles: IntArray) -> float:
+    """Measure how far a mesh is from covering what the triangles cover: by extent, area and vector area, relative.
 
     The vector area of a surface is fixed by its border, so together with the area it betrays folds.
     """
@@ -206,11 +229,8 @@ def _covers(points: FloatArray, faces: IntArray, vertices: FloatArray, triangles
     sides = [_vector_areas(points[faces]), _vector_areas(vertices[triangles])]
     areas = [float(np.linalg.norm(part, axis=1).sum()) for part in sides]
     drift = float(np.linalg.norm(sides[0].sum(axis=0) - sides[1].sum(axis=0)))
-    return bool(
-        np.abs(extents[0] - extents[1]).max() <= FAITHFUL * diagonal
-        and abs(areas[0] - areas[1]) <= FAITHFUL * areas[1]
-        and drift <= FAITHFUL * areas[1]
-    )
+    off = max(abs(areas[0] - areas[1]), drift) / areas[1]
+    return max(float(np.abs(extents[0] - extents[1]).max()) / diagonal, off)
 
 
 def _vector_areas(corners: FloatArray) -> FloatArray:

@@ -94,7 +94,7 @@ def collect_emitters(scene: Scene, channels: FloatArray) -> Emitters:
     )
     emitting = np.flatnonzero(material_luminance[scene.triangle_materials].max(axis=1) > 0)
     both = np.array([m.emission_sides == "both" for m in scene.materials])
-    corners = scene.corners[emitting]
+    corners = scene.vertices[scene.triangles[emitting]]
     materials = scene.triangle_materials[emitting]
     of_triangle = np.full(len(scene.triangles), -1, dtype=np.int64)
     of_triangle[emitting] = np.arange(len(emitting))
