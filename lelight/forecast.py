@@ -24,7 +24,7 @@ from lelight.memory import memory_at_rest
 from lelight.mesh.grading import graded
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import default_edge, remesh
-from lelight.placement import MOST_BASE_NODES
+from lelight.placement import nodes_of_base
 from lelight.scene import FloatArray, Scene
 from lelight.settings import Settings
 
@@ -234,7 +234,7 @@ def forecast(scene: Scene, settings: Settings) -> tuple[Forecast, Calculation]:
         channels=run.plan.channels,
         triangles=len(scene.triangles),
         # What the scene's own triangles ask for, the base has too.
-        base_nodes=min(nodes, max(MOST_BASE_NODES, pilot.nodes * pilot.bare / pilot.vertices)),
+        base_nodes=min(nodes, max(nodes_of_base(nodes), pilot.nodes * pilot.bare / pilot.vertices)),
     )
     return Forecast(edge, nodes, seconds, error, memory), run
 

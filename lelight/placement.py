@@ -142,6 +142,11 @@ def _seen_nodes(site: Site, surface: SurfaceMesh, lit: BoolArray, name: str) -> 
     return Placed(hide(placed, hidden[kept]), seen)
 
 
+def nodes_of_base(nodes: float) -> float:
+    """How many nodes the base is solved on where there are so many, but for what the scene's own triangles ask."""
+    return MOST_BASE_NODES if WORTH_COARSENING * nodes > MOST_BASE_NODES else nodes
+
+
 def solved_base(
     site: Site, placed: Placed, edge: float, name: str, *, nodes: Receivers | None = None
 ) -> BaseField:
@@ -152,9 +157,9 @@ def solved_base(
     nodes : receivers at the nodes that know how much of the emitters they see, where there are such already
     """
     mesh = placed.mesh
-    # Longer edges leave so many nodes or, where the scene's own triangles ask for them, more.
-    if WORTH_COARSENING * len(mesh) > MOST_BASE_NODES:
-        coarse = edge * (len(mesh) / MOST_BASE_NODES) ** 0.5
+    wanted = nodes_of_base(len(mesh))
+    if wanted < len(mesh):
+        coarse = edge * (len(mesh) / wanted) ** 0.5
         found = site.keep.once(f"{name} mesh", lambda: _coarse_nodes(site, placed, coarse), form_of(NodeMesh))
         if len(found) < len(mesh):
             mesh, nodes = found, None
