@@ -59,6 +59,7 @@ def few_trials() -> Iterator[None]:
     """Let slow scenes try less beforehand: trials only choose the effort, here the least anyway."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(effort, "TRIALS", 2)
+        patch.setattr(effort, "CHAIN_TRIALS", 4)
         patch.setattr(defect, "LOG2_DEFECT_RAYS", 3)
         yield
 

@@ -3,7 +3,7 @@
 Sources are drawn by what they can give at the receiver and luminous triangles by solid angle, so a lamp costs
 a few rays however near it is. The unshadowed illuminance is known in closed form; a share of it, by source, chosen
 beforehand, is taken from there and only the difference is sampled (a control variate). Where nothing is in
-the way, no noise is left.
+the way of a receiver and of the nodes around it, no noise is left.
 """
 
 from __future__ import annotations
