@@ -68,7 +68,7 @@ def memory_at_rest(
     ----------
     receivers, detailed : how many there are, and how many of them keep angular detail
     degree : of that detail
-    triangles, base_nodes : of the scene; of the base field, where the scene's own triangles ask for many
+    triangles, base_nodes : of the scene; of the base field
     """
     detail = 8.0 * ANGULAR_ARRAYS * terms(degree) * channels
     at_height = OF_RECEIVER * receivers + detail * detailed
@@ -115,9 +115,12 @@ def require_fitting(
         what += f", {detailed} of them with harmonics of degree {degree},"
     own = needed - fixed
     left = allowed - fixed - LEAST_ROOM
-    text = f"{name}: {what} take {_told(needed)} of memory, {_told(allowed)} are allowed; "
+    text = f"{name}: {what} take {_told(needed + LEAST_ROOM)} of memory, {_told(allowed)} are allowed; "
     if left <= 0:
         raise SceneError(f"{text}at least {_told(fixed + LEAST_ROOM)} are needed: raise --memory")
+    if OF_BASE_NODE * base_nodes > left:
+        # So many nodes of a base are what the scene's own triangles ask for, at any edge.
+        raise SceneError(f"{text}raise --memory")
     # The places of a surface grow with the inverse square of the edge.
     raise SceneError(f"{text}--edge {edge * (own / left) ** 0.5:.2g} would fit, or raise --memory")
 

@@ -14,10 +14,11 @@ import numpy as np
 
 from lelight.adaptation import ROUNDS, ROUNDS_OF_EXCHANGE, bent, bent_by_exchange
 from lelight.checkpoint.keeper import Keeper
-from lelight.checkpoint.records import form_of
+from lelight.checkpoint.records import ARRAY, form_of
 from lelight.crowding import crowded, require_room
 from lelight.estimate.base import BaseField, solve_base
-from lelight.estimate.direct import with_clear_share, with_unblocked
+from lelight.estimate.direct import with_clear_share
+from lelight.estimate.knowndirect import with_known_direct
 from lelight.memory import allowed_memory, require_fitting
 from lelight.mesh.grading import graded
 from lelight.mesh.locate import patch_sides
@@ -34,10 +35,10 @@ from lelight.tracing.world import World
 #: Receivers asked at once how much of the emitters they see.
 CLEAR_SHARE_CHUNK = 1024
 
-#: Nodes of the mesh that the base field is solved on, about and at most, but for what the scene's own triangles ask.
-#: It is a draft: in an office of 115 000 nodes four times fewer for the base cost a tenth of variance.
-MOST_BASE_NODES = 1 << 15
-#: A coarser mesh for the base is worth its making below this share of the nodes there are.
+#: Nodes of a coarser mesh for the base field, about, but for what the scene's own triangles ask. The base is a draft:
+#: in an office of 115 000 nodes four times fewer for it cost a tenth of variance.
+COARSE_BASE_NODES = 1 << 15
+#: Such a mesh is worth its making below this share of the nodes there are.
 WORTH_COARSENING = 0.5
 
 
@@ -144,7 +145,7 @@ def _seen_nodes(site: Site, surface: SurfaceMesh, lit: BoolArray, name: str) -> 
 
 def nodes_of_base(nodes: float) -> float:
     """How many nodes the base is solved on where there are so many, but for what the scene's own triangles ask."""
-    return MOST_BASE_NODES if WORTH_COARSENING * nodes > MOST_BASE_NODES else nodes
+    return COARSE_BASE_NODES if WORTH_COARSENING * nodes > COARSE_BASE_NODES else nodes
 
 
 def solved_base(
@@ -225,12 +226,17 @@ def with_shared_clear_share(site: Site, receivers: Receivers, name: str) -> Rece
     return replace(receivers, clear_share=found.clear_share, direct_doublings=found.direct_doublings)
 
 
-def with_shared_unblocked(site: Site, receivers: Receivers, sight: Shares) -> Receivers:
-    """`with_unblocked` by as many threads as there are."""
-    parts = site.executor.map(
-        lambda own: with_unblocked(site.world, own, sight).unblocked, receivers.chunks(CLEAR_SHARE_CHUNK)
-    )
-    return replace(receivers, unblocked=np.concatenate(list(parts)))
+def with_shared_known_direct(site: Site, receivers: Receivers, sight: Shares) -> Receivers:
+    """`with_known_direct` by as many threads as there are."""
+
+    def part(own: Receivers) -> FloatArray:
+        return with_known_direct(site.world, own, sight).known_direct
+
+    def all_parts() -> FloatArray:
+        chunks = receivers.chunks(CLEAR_SHARE_CHUNK)
+        return np.concatenate(list(site.keep.map(site.executor, "known direct/part", part, chunks, ARRAY)))
+
+    return replace(receivers, known_direct=site.keep.once("known direct", all_parts, ARRAY))
 
 
 def _spared(mesh: NodeMesh, mask: BoolArray) -> BoolArray:

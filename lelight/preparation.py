@@ -27,7 +27,7 @@ from lelight.placement import (
     place_nodes,
     solved_base,
     with_shared_clear_share,
-    with_shared_unblocked,
+    with_shared_known_direct,
 )
 from lelight.places import Places, further_places
 from lelight.plan import ASKED, Decision, Plan, make_plan
@@ -120,7 +120,7 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) 
     if variant.on_base:
         base = _base(site, placed, receivers[slice(0, len(mesh))], edge)
         if base.guide is not None:
-            receivers = with_shared_unblocked(site, base.guide.leading(receivers), base.guide.sight)
+            receivers = with_shared_known_direct(site, base.guide.leading(receivers), base.guide.sight)
         if base.spots:
             plan = replace(plan, decisions=(*plan.decisions, SPOTS))
     keep.clock.lap("base")

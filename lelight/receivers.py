@@ -33,8 +33,8 @@ class Receivers:
     direct_doublings, near_doublings : (r,) int; how much more often, as power of two, a receiver samples
         direct light and near field than a batch's effort says; found beforehand, negative for less
     rows : (r,) int; of the base's guide, -1 where none is known
-    unblocked : (r, C) float, lx; the known share of the emitters' light (see `direct`), by the guide's sight. It is not
-        a number where it is found anew whenever it is wanted
+    known_direct : (r, C) float, lx; the known share of the emitters' light (see `knowndirect`), by the guide's sight;
+        (r, 1) and not a number where it is found anew whenever it is wanted
     """
 
     points: FloatArray
@@ -48,7 +48,7 @@ class Receivers:
     direct_doublings: IntArray
     near_doublings: IntArray
     rows: IntArray
-    unblocked: FloatArray
+    known_direct: FloatArray
 
     def __len__(self) -> int:
         """Count receivers."""
@@ -93,7 +93,7 @@ def space_receivers(points: FloatArray, normals: FloatArray, *, doublings: int =
         direct_doublings=none + doublings,
         near_doublings=none + doublings,
         rows=none - 1,
-        unblocked=np.full((len(points), 1), np.nan),
+        known_direct=np.full((len(points), 1), np.nan),
     )
 
 

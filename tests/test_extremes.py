@@ -80,7 +80,8 @@ def mean(made: Calculation, chosen: BoolArray | None = None) -> FloatArray:
 def agrees_as_stated(made: Calculation, exact: float, chosen: BoolArray) -> bool:
     """Say whether some nodes have a closed form's value within the errors that the run states of them.
 
-    What hardly any ray of a node has met is not in the spread of its own replicates, but in that of its neighbours.
+    What hardly any ray of a node has met, such as a source that the base found dark there, is not in the spread of its
+    own replicates, but in that of its neighbours.
     """
     error = made.field.std_error[chosen]
     assert np.all(error < OF_NODE * exact)

@@ -132,7 +132,7 @@ def test_led_rays_bring_the_same_light_even_where_they_are_misled():
     receivers = with_surface(space_receivers(np.array(PLACES), np.tile([0.0, 0.0, 1.0], (len(PLACES), 1))))
     effort = {"bound": 0.4 * bound_for(stage.world.area, 1024.0), "log2_rays": 10}
     guide = stage.base.guide
-    misled = replace(guide, density=guide.density[:, ::-1].copy(), rings=guide.rings[:, ::-1].copy())
+    misled = replace(guide, density=guide.density[:, ::-1, ::-1].copy(), rings=guide.rings[:, ::-1].copy())
     unled = gathered(stage, receivers, None, **effort)
     assert same_mean(gathered(stage, receivers, guide, **effort), unled, relative_error=0.02)
     assert same_mean(gathered(stage, receivers, misled, **effort), unled, relative_error=0.02)

@@ -157,10 +157,10 @@ def test_a_lamp_without_flux_is_left_out_and_loses_nothing():
 def test_exponent_1_and_a_hair_more_give_the_same_light():
     runs = [found(office(0.3, specular=0.3, exponent=n)) for n in (1.0, 1.0001)]
     assert runs[0].plan.degree == runs[1].plan.degree == 15
-    off = np.abs(runs[0].field.illuminance / runs[1].field.illuminance - 1.0)
-    # By a hair a path may take another turn: then the two differ there by noise.
-    assert np.mean(off < 1e-5) >= 0.99
-    np.testing.assert_allclose(*(surface_means(run).mean(axis=0) for run in runs), rtol=1e-3)
+    # By a hair a path may take another turn, so that single nodes differ by a little of their noise.
+    off = np.abs(runs[0].field.illuminance - runs[1].field.illuminance)
+    assert np.all(off <= 0.1 * runs[0].field.std_error)
+    np.testing.assert_allclose(*(surface_means(run).mean(axis=0) for run in runs), rtol=1e-4)
 
 
 def watched(position: tuple[float, float, float], exponent: float = 40.0) -> Scene:

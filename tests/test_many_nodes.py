@@ -28,7 +28,7 @@ def scene(tmp_path_factory):
 @pytest.fixture
 def few(monkeypatch):
     """Pretend that a few hundred nodes, and a few dozen chains, were very many."""
-    monkeypatch.setattr("lelight.placement.MOST_BASE_NODES", 150)
+    monkeypatch.setattr("lelight.placement.COARSE_BASE_NODES", 150)
     monkeypatch.setattr("lelight.estimate.effort.MOST_TRIED", 100)
     monkeypatch.setattr("lelight.estimate.chainwalk.CHAINS_AT_ONCE", 16)
 

@@ -114,7 +114,7 @@ def test_a_folder_without_work_left_is_empty_but_for_the_newest(room, tmp_path, 
     folder = CheckpointFolder(tmp_path / "checkpoint", identity_of(scene, settings))
     calculate(scene, settings, keep=Keeper(folder))
     kept = {key for path in folder.path.glob("*.kept") for key in read_segment(path).entries}
-    assert kept == {"mesh", "clear share", "base", "lack", "effort", "course"}
+    assert kept == {"mesh", "clear share", "base", "known direct", "lack", "effort", "course"}
     folder.remove()
     assert list(tmp_path.iterdir()) == []
 

@@ -7,12 +7,14 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
+import pytest
 from rooms import grey, lamp, lit, panel
 from shapes import box, placed
 from verdicts import same_mean
 
 from lelight.checkpoint.keeper import Keeper
-from lelight.estimate.direct import direct_light, direct_light_and_sight, with_unblocked
+from lelight.estimate.direct import direct_light, direct_light_and_sight
+from lelight.estimate.knowndirect import with_known_direct
 from lelight.preparation import prepare
 from lelight.receivers import ILLUMINANCE, VECTOR
 from lelight.settings import Settings
@@ -43,8 +45,10 @@ def test_a_share_follows_the_own_rays_then_those_around_then_all_sources():
 
 
 def test_no_source_is_left_out_and_no_row_changes_nothing():
-    sight = counts([0, WHOLE])
+    sight = counts([0, WHOLE, WHOLE // 20])
     assert importance_in_sight(sight, 0, 0) == LEAST
+    # A twentieth may come through: that deviates by a fifth of the source's light, of which half is the most.
+    assert importance_in_sight(sight, 0, 2) == pytest.approx(LEAST + (1.0 - LEAST) * 0.426, abs=0.01)
     assert importance_in_sight(sight, 0, 1) == 1.0
     assert importance_in_sight(unseen(), -1, 7) == 1.0
 
@@ -70,7 +74,7 @@ def screened():
 def drawn(guide, *, seed):
     """Moments (REPLICATES, r, 6, 1) of direct light at some nodes."""
     stage, receivers = screened()
-    receivers = with_unblocked(stage.world, receivers, guide.sight if guide is not None else unseen())
+    receivers = with_known_direct(stage.world, receivers, guide.sight if guide is not None else unseen())
     return np.array(
         [
             direct_light(stage.world, receivers, samples=Stretch.of(3), seed=(seed, k), guide=guide)[0]
@@ -94,13 +98,26 @@ def test_direct_light_is_the_same_whatever_is_believed_to_be_in_sight():
 
 def test_what_is_known_once_is_what_is_found_anew():
     stage, receivers = screened()
-    assert np.isfinite(receivers.unblocked).all() and receivers.unblocked.any()
-    anew = replace(receivers, unblocked=np.full((len(receivers), 1), np.nan))
+    assert np.isfinite(receivers.known_direct).all() and receivers.known_direct.any()
+    anew = replace(receivers, known_direct=np.full((len(receivers), 1), np.nan))
     once, again = (
         direct_light(stage.world, each, samples=Stretch.of(3), seed=(9,), guide=stage.base.guide)[0]
         for each in (receivers, anew)
     )
     np.testing.assert_array_equal(once, again)
+
+
+def test_what_is_known_by_the_guide_is_left_without_it():
+    stage, receivers = screened()
+    anew = replace(receivers, known_direct=np.full((len(receivers), 1), np.nan))
+    without = [
+        direct_light(stage.world, each, samples=Stretch.of(3), seed=(9,))[0] for each in (receivers, anew)
+    ]
+    np.testing.assert_array_equal(*without)
+    misled = with_known_direct(stage.world, receivers, WHOLE - stage.base.guide.sight)
+    samples = {"samples": Stretch.of(3), "seed": (9,), "guide": stage.base.guide}
+    right, wrong = (direct_light(stage.world, each, **samples)[0] for each in (receivers, misled))
+    assert not np.isclose(right[:, ILLUMINANCE].mean(), wrong[:, ILLUMINANCE].mean(), rtol=0.1)
 
 
 def test_who_knows_what_is_in_sight_scatters_half_as_much():

@@ -1,6 +1,6 @@
 """A first field, solved on the mesh, that the estimate stands on.
 
-Each node sends out rays once; where they meet the mesh they are rows of a sparse operator A, and the field
+Each node sends out rays once; what nodes gather where these meet the mesh is a sparse operator A, and the field
 e = E_direct + A e is solved at almost no cost. It is a draft: it carries the noise of its rays
 and the error of interpolation. The batches put that right, whatever it is: they estimate what is missing.
 """

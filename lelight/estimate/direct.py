@@ -1,9 +1,9 @@
 """Light that comes straight from the emitters, sampled from the receiver's side.
 
-Sources are drawn by what they can give at the receiver and luminous triangles by solid angle, so a lamp costs
-a few rays however near it is. The unshadowed illuminance is known in closed form; a share of it, by source, chosen
-beforehand, is taken from there and only the difference is sampled (a control variate). Where nothing is in
-the way of a receiver and of the nodes around it, no noise is left.
+Sources are drawn by what they can give at the receiver and by what is known to be in sight there, luminous triangles by
+solid angle, so a lamp costs a few rays however near it is. The unshadowed illuminance is known in closed form; a share
+of it, by source, chosen beforehand, is taken from there and only the difference is sampled (a control variate). Where
+nothing is in the way of a receiver and of the nodes around it, no noise is left.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from lelight.compilation import COMPILED, LEAF
 from lelight.estimate.guide import Guide
+from lelight.estimate.knowndirect import add_known
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
 from lelight.receivers import ILLUMINANCE, MOMENTS, Receivers
@@ -23,7 +24,6 @@ from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import hash_of
 from lelight.tracing.drawing import (
     LOCAL_CHOICE_LIMIT,
-    add_unblocked,
     choice_cdf,
     chosen,
     source_housing,
@@ -79,7 +79,14 @@ def direct_light_and_sight(
     -------
     moments : (r, 6, C) float
     asked, clear : (r, S) uint8, of fewer than 256 samples; S is 0 where there are too many sources to choose by place
+
+    Raises
+    ------
+    ValueError
+        where there are more samples than such a count holds
     """
+    if samples.count > np.iinfo(np.uint8).max:
+        raise ValueError(f"{samples.count} samples: their counts would not fit")
     drawn = _draw(world, receivers, sobol(3, samples, seed=seed), hash_of(seed), unseen())
     clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
     sources = len(world.emitters.power)
@@ -242,59 +249,11 @@ def closed_forms(emitters: Emitters, points: FloatArray, normals: FloatArray) ->
     return exact
 
 
-def with_unblocked(world: World, receivers: Receivers, sight: Shares) -> Receivers:
-    """Find once for all what closed forms give receivers that know how much of the emitters they see."""
-    unblocked = np.zeros((len(receivers), world.channels))
-    _fill_unblocked(
-        world.emitters,
-        receivers.points,
-        receivers.normals,
-        receivers.clear_share,
-        receivers.rows,
-        sight,
-        unblocked,
-    )
-    return replace(receivers, unblocked=unblocked)
-
-
-@njit(**COMPILED)
-def _fill_unblocked(
-    emitters: Emitters,
-    points: FloatArray,
-    normals: FloatArray,
-    clear_share: FloatArray,
-    rows: IntArray,
-    sight: Shares,
-    unblocked: FloatArray,
-) -> None:
-    control = np.empty(len(emitters.power))
-    for r in range(len(points)):
-        row = rows[r] if sight.shape[1] > 0 else -1
-        if clear_share[r] > 0.0:
-            _add_known(emitters, points[r], normals[r], row, sight, clear_share[r], control, unblocked[r])
-
-
-@njit(**LEAF)
-def _add_known(
-    emitters: Emitters,
-    point: FloatArray,
-    normal: FloatArray,
-    row: int,
-    sight: Shares,
-    clear_share: float,
-    control: FloatArray,
-    unblocked: FloatArray,
-) -> None:
-    """Add the share of each source's light that is taken from the closed form (C,); ``control`` (S,) is scratch."""
-    x, y, z = point
-    nx, ny, nz = normal
-    for source in range(len(control)):
-        control[source] = known_share(sight, row, source, clear_share)
-    add_unblocked(emitters, x, y, z, nx, ny, nz, control, unblocked)
-
-
 class _Drawn:
-    """Shadow rays of a block of receivers: the light each would bring, and its two ends."""
+    """Shadow rays of a block of receivers: the light each would bring, its two ends and its source.
+
+    ``control`` (k,) is the share of a ray's source that is known, ``known`` (r, C) what that makes at receivers, in lx.
+    """
 
     def __init__(self, room: int, count: int, channels: int) -> None:
         self.arrivals = Arrivals(
@@ -303,7 +262,7 @@ class _Drawn:
         self.origins, self.ends = np.empty((room, 3)), np.empty((room, 3))
         self.housing, self.source = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64)
         self.control = np.empty(room)
-        self.unblocked = np.zeros((count, channels))
+        self.known = np.zeros((count, channels))
 
     def cut(self, count: int) -> None:
         """Keep the first ``count`` rays."""
@@ -325,7 +284,7 @@ def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint6
         receivers.identity,
         receivers.clear_share,
         receivers.rows,
-        receivers.unblocked,
+        receivers.known_direct,
         sight,
         key,
         world.caster.offset,
@@ -337,7 +296,7 @@ def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint6
         drawn.origins,
         drawn.ends,
         drawn.housing,
-        drawn.unblocked,
+        drawn.known,
     )
     drawn.cut(count)
     return drawn
@@ -347,9 +306,9 @@ def _correct(moments: FloatArray, receivers: Receivers, drawn: _Drawn, light: Fl
     """Add share x (closed form - all samples, blocked or not) of each source to the illuminance; it expects 0."""
     owner = drawn.arrivals.receiver
     cos_theta = np.einsum("kx,kx->k", drawn.arrivals.directions, receivers.normals[owner])
-    sampled = np.zeros_like(drawn.unblocked)
+    sampled = np.zeros_like(drawn.known)
     _add_rows(sampled, owner, light * (drawn.control * np.maximum(cos_theta, 0.0))[:, None])
-    moments[:, ILLUMINANCE] += drawn.unblocked - sampled
+    moments[:, ILLUMINANCE] += drawn.known - sampled
 
 
 @njit(**LEAF)
@@ -369,7 +328,7 @@ def _draw_rays(
     identity: IntArray,
     clear_share: FloatArray,
     rows: IntArray,
-    unblocked: FloatArray,
+    known_direct: FloatArray,
     sight: Shares,
     key: np.uint64,
     offset: float,
@@ -381,9 +340,9 @@ def _draw_rays(
     origins: FloatArray,
     ends: FloatArray,
     housing: IntArray,
-    closed_form: FloatArray,
+    known: FloatArray,
 ) -> int:
-    """Draw the shadow rays of each receiver; returns how many carry light."""
+    """Draw the shadow rays of each receiver and write what is known of its light; returns how many rays carry some."""
     count = 0
     corners, faces, areas, both_sides = (
         emitters.corners,
@@ -392,18 +351,19 @@ def _draw_rays(
         emitters.both_sides,
     )
     triangles = len(corners)
-    scratch, control = np.empty(len(emitters.power)), np.empty(len(emitters.power))
+    scratch, shares = np.empty(len(emitters.power)), np.empty(len(emitters.power))
     for r in range(len(points)):
         x, y, z = points[r]
         nx, ny, nz = normals[r]
         row = rows[r] if sight.shape[1] > 0 else -1
         if not choice_cdf(emitters, x, y, z, nx, ny, nz, on_surface[r], row, sight, scratch):
             continue
-        if clear_share[r] > 0.0 and np.isnan(unblocked[r, 0]):
-            _add_known(emitters, points[r], normals[r], row, sight, clear_share[r], control, closed_form[r])
+        # What was found by the guide's sight does not hold without it.
+        if clear_share[r] > 0.0 and (row < 0 or np.isnan(known_direct[r, 0])):
+            add_known(emitters, points[r], normals[r], row, sight, clear_share[r], shares, known[r])
         elif clear_share[r] > 0.0:
-            for c in range(closed_form.shape[1]):
-                closed_form[r, c] = unblocked[r, c]
+            for c in range(known.shape[1]):
+                known[r, c] = known_direct[r, c]
         own = mix(key, np.uint64(identity[r]))
         shifts = (uniform(own, np.uint64(0)), uniform(own, np.uint64(1)), uniform(own, np.uint64(2)))
         for s in range(len(numbers)):

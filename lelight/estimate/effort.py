@@ -58,8 +58,8 @@ BOUNDS_WITH_SPOTS = (6.4, 51.2)
 BOUND_RECEIVERS = 512
 #: Least samples of the parts in a batch, and most, as powers of two.
 LEAST, MOST = (5, 2, 2), 16
-#: Receivers on surfaces that are tried: one in so many, but not less than these, nor more. Each of the others samples
-#: like the nearest that was.
+#: Receivers on surfaces that are tried: one in so many, but more than half of these at the least, these at the most.
+#: Each of the others samples like the nearest that was.
 ONE_TRIED_IN, LEAST_TRIED, MOST_TRIED = 8, 1 << 12, 1 << 16
 #: Seeds of trials are apart from those of batches.
 TRIAL_SEED = 1 << 20

@@ -41,7 +41,7 @@ class Guide:
     rings : (n, s) float32, sums over the second
     places : where they hold, in the order of some of the rows
     rows : (m,) int, of the places
-    sight : (n, S) uint8, share of each source's light that comes through there, or (0, 0) where there are too many
+    sight : (n, S) uint8, share of each source's light that comes through there; S is 0 where there are too many
     """
 
     density: Float32Array
