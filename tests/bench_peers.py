@@ -4,8 +4,7 @@
 smallest p value of many nodes against its Sidak bound, and a line for each program and setting: error, bias, seconds
 and efficiency, 1/(relative rms error² x CPU seconds), of interleaved runs: root mean square of their errors, medians of
 the rest. Errors are those of illuminance relative to max(E, 5 % of the mean), against many paths of Mitsuba whose own
-noise is taken off. ``--csv FILE`` keeps the
-lines, which `plot_peers` draws.
+noise is taken off. ``--csv FILE`` keeps the lines, which `plot_peers` draws.
 
 ``hall --target 0.05 --rounds 1`` is the library hall of 277 240 triangles. Mitsuba's rays start off surfaces by a
 share of their coordinates, 3 mm at 30 m, which is more than the gap between two books: its reference is computed

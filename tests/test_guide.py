@@ -18,7 +18,7 @@ from lelight.checkpoint.keeper import Keeper
 from lelight.estimate import nearfield
 from lelight.estimate.chainwalk import chain_vertices
 from lelight.estimate.effort import bound_for
-from lelight.estimate.guide import EVENLY, cells_of, densities, guided, sides_for, unguided
+from lelight.estimate.guide import EVENLY, cells_of, densities, guided, sides_for, tables
 from lelight.estimate.nearfield import near_field
 from lelight.estimate.pathends import PathEnds
 from lelight.estimate.paths import reflected_radiance
@@ -62,7 +62,10 @@ def test_the_more_rays_a_place_sends_the_finer_are_its_cells():
 
 
 def test_no_row_changes_nothing():
-    assert guided(*unguided(), -1, 0.3, 0.9) == (0.3, 0.9, 1.0)
+    assert guided(*tables(None), -1, 0.3, 0.9) == (0.3, 0.9, 1.0)
+    assert guided(*tables(None), 3, 0.3, 0.9) == (0.3, 0.9, 1.0)
+    density = some_densities(np.random.default_rng(1))
+    assert guided(density, density.sum(axis=2), -1, 0.3, 0.9) == (0.3, 0.9, 1.0)
 
 
 def test_densities_are_shares_and_leave_no_direction_out():

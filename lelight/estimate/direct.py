@@ -33,7 +33,7 @@ from lelight.tracing.drawing import (
 from lelight.tracing.emitters import Emitters
 from lelight.tracing.lamps import has_closed_form, toward_lamp
 from lelight.tracing.sampling import mix, rotated, uniform
-from lelight.tracing.sight import Shares, known_share, unseen
+from lelight.tracing.sight import Shares, known_share, row_of_sight, unseen
 from lelight.tracing.sobol import Stretch, sobol
 from lelight.tracing.triangles import triangle_density
 from lelight.tracing.world import World
@@ -65,8 +65,7 @@ def direct_light(
     guide : tells receivers that know their row of it which sources are in sight
     """
     sight = guide.sight if guide is not None else unseen()
-    drawn = _draw(world, receivers, sobol(3, samples, seed=seed), hash_of(seed), sight)
-    clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
+    drawn, clear = _traced(world, receivers, samples, seed, sight)
     return _summed(world, receivers, drawn, clear, samples), len(drawn.source)
 
 
@@ -87,8 +86,7 @@ def direct_light_and_sight(
     """
     if samples.count > np.iinfo(np.uint8).max:
         raise ValueError(f"{samples.count} samples: their counts would not fit")
-    drawn = _draw(world, receivers, sobol(3, samples, seed=seed), hash_of(seed), unseen())
-    clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
+    drawn, clear = _traced(world, receivers, samples, seed, unseen())
     sources = len(world.emitters.power)
     shape = (len(receivers), sources if sources <= LOCAL_CHOICE_LIMIT else 0)
     asked, through = np.zeros(shape, dtype=np.uint8), np.zeros(shape, dtype=np.uint8)
@@ -125,8 +123,7 @@ def drawn_illuminance(
 
     The mean of all draws, those that found nothing as zero, is the direct illuminance.
     """
-    drawn = _draw(world, receivers, sobol(3, samples, seed=seed), hash_of(seed), unseen())
-    clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
+    drawn, clear = _traced(world, receivers, samples, seed, unseen())
     owner, directions = drawn.arrivals.receiver[clear], drawn.arrivals.directions[clear]
     cosine = np.maximum(np.einsum("kx,kx->k", directions, receivers.normals[owner]), 0.0)
     return owner, drawn.arrivals.radiance_solid_angle[clear] * cosine[:, None]
@@ -229,8 +226,7 @@ def with_rough_clear_share(
 
 def _clear_share(world: World, receivers: Receivers, log2_samples: int, seed: tuple[int, ...]) -> FloatArray:
     """Share (r,) of the drawn light that nothing blocks, 0 where none is drawn."""
-    drawn = _draw(world, receivers, sobol(3, Stretch.of(log2_samples), seed=seed), hash_of(seed), unseen())
-    clear = world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
+    drawn, clear = _traced(world, receivers, Stretch.of(log2_samples), seed, unseen())
     weight = drawn.arrivals.radiance_solid_angle.sum(axis=1)
     count = len(receivers)
     total = np.bincount(drawn.arrivals.receiver, weights=weight, minlength=count)
@@ -273,7 +269,11 @@ class _Drawn:
         self.control = self.control[:count]
 
 
-def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint64, sight: Shares) -> _Drawn:
+def _traced(
+    world: World, receivers: Receivers, samples: Stretch, seed: tuple[int, ...], sight: Shares
+) -> tuple[_Drawn, BoolArray]:
+    """Draw shadow rays and say of each (k,) whether nothing is in its way."""
+    numbers = sobol(3, samples, seed=seed)
     drawn = _Drawn(len(receivers) * len(numbers), len(receivers), world.channels)
     count = _draw_rays(
         world.emitters,
@@ -286,7 +286,7 @@ def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint6
         receivers.rows,
         receivers.known_direct,
         sight,
-        key,
+        hash_of(seed),
         world.caster.offset,
         drawn.source,
         drawn.control,
@@ -299,7 +299,7 @@ def _draw(world: World, receivers: Receivers, numbers: FloatArray, key: np.uint6
         drawn.known,
     )
     drawn.cut(count)
-    return drawn
+    return drawn, world.visible(drawn.origins, drawn.ends, housing=drawn.housing)
 
 
 def _correct(moments: FloatArray, receivers: Receivers, drawn: _Drawn, light: FloatArray) -> None:
@@ -355,7 +355,7 @@ def _draw_rays(
     for r in range(len(points)):
         x, y, z = points[r]
         nx, ny, nz = normals[r]
-        row = rows[r] if sight.shape[1] > 0 else -1
+        row = row_of_sight(sight, rows[r])
         if not choice_cdf(emitters, x, y, z, nx, ny, nz, on_surface[r], row, sight, scratch):
             continue
         # What was found by the guide's sight does not hold without it.

@@ -87,9 +87,11 @@ def sides_for(log2_rays: int) -> int:
     return next(sides for least, sides in SIDES if log2_rays >= least)
 
 
-def unguided() -> tuple[Float32Array, Float32Array]:
-    """Densities and rings of no place."""
-    return np.zeros((0, 1, 1), dtype=np.float32), np.zeros((0, 1), dtype=np.float32)
+def tables(guide: Guide | None) -> tuple[Float32Array, Float32Array]:
+    """Densities and rings of a guide, or of no place."""
+    if guide is None:
+        return np.zeros((0, 1, 1), dtype=np.float32), np.zeros((0, 1), dtype=np.float32)
+    return guide.density, guide.rings
 
 
 def densities(light: FloatArray, rays: NDArray[np.integer], around: IntArray) -> Float32Array:
@@ -167,7 +169,7 @@ def guided(
     density: Float32Array, rings: Float32Array, row: int, u: float, v: float
 ) -> tuple[float, float, float]:
     """Warp two uniform numbers to the densities of a row: the two, and the density there; no row changes nothing."""
-    if row < 0:
+    if row < 0 or len(density) == 0:
         return u, v, 1.0
     sides = rings.shape[1]
     left, ring, weight = u * (sides * sides), 0, 0.0

@@ -15,7 +15,7 @@ from lelight.receivers import Receivers
 from lelight.scene import FloatArray, IntArray
 from lelight.tracing.drawing import add_unblocked
 from lelight.tracing.emitters import Emitters
-from lelight.tracing.sight import Shares, known_share
+from lelight.tracing.sight import Shares, known_share, row_of_sight
 from lelight.tracing.world import World
 
 
@@ -46,7 +46,7 @@ def _fill_known(
 ) -> None:
     scratch = np.empty(len(emitters.power))
     for r in range(len(points)):
-        row = rows[r] if sight.shape[1] > 0 else -1
+        row = row_of_sight(sight, rows[r])
         if clear_share[r] > 0.0:
             add_known(emitters, points[r], normals[r], row, sight, clear_share[r], scratch, known[r])
 

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from lelight.compilation import COMPILED, LEAF
-from lelight.estimate.guide import Guide, guided, unguided
+from lelight.estimate.guide import Guide, guided, tables
 from lelight.estimate.local import Arrivals
 from lelight.estimate.moments import add_arrivals
 from lelight.estimate.pathends import END_NUMBERS, PathEnds, SurfaceLuminance, bounded_base
@@ -157,7 +157,7 @@ def _directions(
         receivers.normals,
         receivers.on_surface,
         receivers.rows,
-        *((guide.density, guide.rings) if guide else unguided()),
+        *tables(guide),
         receiver,
         numbers,
         directions,
@@ -182,7 +182,7 @@ def _draw_directions(
         r = receiver[k]
         u, v, lead = numbers[k, 0], numbers[k, 1], 1.0
         if on_surface[r]:
-            u, v, lead = guided(density_by_cell, rings, rows[r] if len(density_by_cell) > 0 else -1, u, v)
+            u, v, lead = guided(density_by_cell, rings, rows[r], u, v)
         if on_surface[r] or u < 0.5:
             x, y, z = cosine_direction(u if on_surface[r] else 2.0 * u, v)
             d = to_axis(x, y, z, normals[r, 0], normals[r, 1], normals[r, 2])

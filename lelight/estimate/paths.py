@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from lelight.compilation import LEAF
-from lelight.estimate.guide import Guide, guided, unguided
+from lelight.estimate.guide import Guide, guided, tables
 from lelight.estimate.pathends import END_NUMBERS, PathEnds, add_drawn_vertices, bounded_base, taken_up
 from lelight.estimate.pathlight import add_drawn_sources, add_met_emitters
 from lelight.estimate.pathstate import Paths, chosen_paths, kernel_between, meet
@@ -160,7 +160,7 @@ def _go_on(
         world.emitters.weights,
         roulette,
         paths.rows,
-        *((guide.density, guide.rings) if guide is not None else unguided()),
+        *tables(guide),
         directions,
         throughput,
         density,
@@ -201,8 +201,7 @@ def _reflect_back(
         nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
         lead = 1.0
         if numbers[k, 3] < p_diffuse:
-            row = rows[k] if len(density_by_cell) > 0 else -1
-            u, v, lead = guided(density_by_cell, rings, row, numbers[k, 4], numbers[k, 5])
+            u, v, lead = guided(density_by_cell, rings, rows[k], numbers[k, 4], numbers[k, 5])
             x, y, z = cosine_direction(u, v)
             dx, dy, dz = to_axis(x, y, z, nx, ny, nz)
             for c in range(channels):

@@ -65,6 +65,12 @@ def unseen() -> Shares:
 
 
 @njit(**LEAF)
+def row_of_sight(sight: Shares, row: int) -> int:
+    """Row of a place, -1 where nothing is known of any."""
+    return row if sight.shape[1] > 0 else -1
+
+
+@njit(**LEAF)
 def known_share(sight: Shares, row: int, source: int, clear_share: float) -> float:
     """Share of a source's light that is taken as known: what comes through by sight, or of all, and none of none."""
     if row < 0 or clear_share <= 0.0:
