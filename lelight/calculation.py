@@ -323,8 +323,9 @@ def _error(stage: Stage, replicates: Replicates) -> ErrorReached | None:
     if replicates.count < 2:
         return None
     seen, nodes = ~stage.mesh.hidden, slice(0, len(stage.mesh))
-    std_error = pooled_error(replicates.std_error[nodes], stage.neighbours)
-    return error_reached(replicates.mean[nodes][seen], std_error[seen], areas=stage.mesh.areas[seen])
+    illuminance = replicates.mean[nodes]
+    std_error = pooled_error(illuminance, replicates.std_error[nodes], stage.neighbours)
+    return error_reached(illuminance[seen], std_error[seen], areas=stage.mesh.areas[seen])
 
 
 def _found(

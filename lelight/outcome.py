@@ -28,11 +28,10 @@ def found_field(
     total[:, [ILLUMINANCE, SCALAR]] = np.maximum(total[:, [ILLUMINANCE, SCALAR]], 0.0)
     # A hidden node is not there: what was found behind the wall or under the cupboard is nobody's light.
     total[stage.mesh.hidden], direct[stage.mesh.hidden] = 0.0, 0.0
+    std_error = pooled_error(replicates.mean[nodes], replicates.std_error[nodes], stage.neighbours)
     values = NodeValues(
         illuminance=total[:, ILLUMINANCE],
-        std_error=np.where(
-            stage.mesh.hidden, 0.0, pooled_error(replicates.std_error[nodes], stage.neighbours)
-        ),
+        std_error=np.where(stage.mesh.hidden, 0.0, std_error),
         direct=np.maximum(direct[:, ILLUMINANCE], 0.0),
         scalar_illuminance=total[:, SCALAR],
         light_vector=total[:, VECTOR : VECTOR + 3],

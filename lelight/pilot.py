@@ -35,8 +35,8 @@ LOG2_PILOT_CHAINS = 13
 PLACES_PER_SIDE = 4
 #: Rays from each place that tell whether it lies in a solid, as power of two.
 LOG2_LOOKS = 2
-#: Walks from a place or node, as power of two, and their longest.
-FEW_WALKS = (2, 32)
+#: Walks from a place or node, as power of two, and their longest; most find light at once.
+ONE_WALK, FEW_WALKS = (0, 4), (2, 32)
 #: Likewise, from nodes for which those found no light: the far end of a corridor is not the inside of a cupboard.
 MANY_WALKS = (4, 96)
 #: How near a node lies to a surface that it touches, in distances at which rays start.
@@ -149,7 +149,8 @@ def buried(
     """
     walks = _Walks(world, executor, keep or Keeper(), name)
     receivers = surface_receivers(mesh, np.zeros(len(mesh), dtype=np.int64))
-    dark = ~walks.reached(receivers, FEW_WALKS, (seed, 2))
+    dark = ~walks.reached(receivers, ONE_WALK, (seed, 7))
+    dark[dark] = ~walks.reached(receivers[dark], FEW_WALKS, (seed, 2))
     dark[dark] = ~walks.reached(receivers[dark], MANY_WALKS, (seed, 3))
     dark[dark] = ~walks.seen_through_slits(receivers[dark], (seed, 5))
     return dark

@@ -56,7 +56,10 @@ class Receivers:
 
     def __getitem__(self, chosen: slice | IntArray | BoolArray) -> Receivers:
         """Select some of them."""
-        return Receivers(**{name: column[chosen] for name, column in vars(self).items()})
+        if isinstance(chosen, slice):
+            return Receivers(**{name: column[chosen] for name, column in vars(self).items()})
+        own = np.flatnonzero(chosen) if chosen.dtype == np.bool_ else chosen
+        return Receivers(**{name: column.take(own, axis=0) for name, column in vars(self).items()})
 
     def chunks(self, size: int) -> list[Receivers]:
         """Cut into pieces of at most ``size``, in order."""

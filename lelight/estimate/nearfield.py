@@ -108,7 +108,7 @@ def hemisphere_rays(
     rotated_numbers(table, hash_of(seed), receivers.identity, numbers)
     receiver = np.repeat(np.arange(len(receivers)), len(table))
     directions, _ = _directions(receivers, receiver, numbers, None)
-    origins = world.caster.leave(receivers.points, receivers.normals)[receiver]
+    origins = world.caster.leave(receivers.points, receivers.normals).take(receiver, axis=0)
     return origins, directions, receiver, numbers
 
 
@@ -199,10 +199,11 @@ def _draw_directions(
 def _first_surfaces(world: World, receivers: Receivers, receiver: IntArray, directions: FloatArray) -> Paths:
     """Surfaces that the first rays meet, with the kernel G to them."""
     # In space too: a measuring plane may lie exactly on a surface.
-    origins = world.caster.leave(receivers.points, receivers.normals)[receiver]
+    origins = world.caster.leave(receivers.points, receivers.normals).take(receiver, axis=0)
     number = np.arange(len(receiver))
     paths, kept = meet(world, number, origins, directions, np.ones((len(receiver), world.channels)))
-    return replace(paths, geometry=_geometry(receivers, receiver[kept], directions[kept], paths))
+    geometry = _geometry(receivers, receiver[kept], directions.take(kept, axis=0), paths)
+    return replace(paths, geometry=geometry)
 
 
 def _geometry(receivers: Receivers, receiver: IntArray, directions: FloatArray, paths: Paths) -> FloatArray:

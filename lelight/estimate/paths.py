@@ -68,7 +68,7 @@ def reflected_radiance(
     for depth in range(LONGEST_PATH):
         if ends is not None:
             kept = taken_up(world, paths, bound, numbers[:, NUMBERS + 2])
-            paths, numbers = chosen_paths(paths, kept), numbers[kept]
+            paths, numbers = chosen_paths(paths, kept), numbers.take(kept, axis=0)
             rays += add_drawn_vertices(world, paths, ends, bound, numbers[:, NUMBERS:], radiance)
         if not len(paths.number):
             break
@@ -108,8 +108,8 @@ def step(
     left = going[kept]
     if density.any():
         add_met_emitters(world, chosen_paths(paths, left), met, density[kept], radiance)
-    cosines = -np.einsum("kx,kx->k", met.outgoing, paths.normals[left])
-    kernel = kernel_between(paths.points[left], cosines, met)
+    cosines = -np.einsum("kx,kx->k", met.outgoing, paths.normals.take(left, axis=0))
+    kernel = kernel_between(paths.points.take(left, axis=0), cosines, met)
     return replace(met, geometry=np.where(density[kept] > 0.0, np.inf, kernel)), rays + len(going)
 
 
@@ -167,8 +167,8 @@ def _go_on(
         going,
     )
     kept = np.flatnonzero(going)
-    origins = world.caster.leave(paths.points[kept], paths.normals[kept])
-    return origins, directions[kept], throughput[kept], density[kept], kept
+    origins = world.caster.leave(paths.points.take(kept, axis=0), paths.normals.take(kept, axis=0))
+    return origins, directions.take(kept, axis=0), throughput.take(kept, axis=0), density[kept], kept
 
 
 @njit(**LEAF)

@@ -27,8 +27,8 @@ from lelight.tracing.triangles import (
 
 #: Up to this many sources the choice follows each one's geometry; beyond it, its power alone.
 LOCAL_CHOICE_LIMIT = 256
-#: A triangle is far where its distance squared is this many times its area; there one point stands for it.
-FAR = 25.0
+#: A triangle is far from a receiver at so many times the radius of its corners; there its middle stands for it.
+FAR = 5.0
 #: Heights over a triangle's plane that are none: this share of its size, and this share of the coordinates,
 #: which is a few dozen of their roundings. A lamp gives no light in its own plane.
 FLAT, ROUNDING = 1e-9, 1e-14
@@ -41,9 +41,17 @@ NEAR = 2.0
 
 @njit(**LEAF)
 def _rough_importances(
-    sketch: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float, out: FloatArray
+    sketch: FloatArray,
+    near: float,
+    x: float,
+    y: float,
+    z: float,
+    nx: float,
+    ny: float,
+    nz: float,
+    out: FloatArray,
 ) -> None:
-    """Write illuminances (T,) in lx that sketches of triangles stand for, by their middles; -1 where it is too near.
+    """Write illuminances (T,) in lx that sketches of triangles stand for, by their middles; -1 within ``near`` radii.
 
     A middle knows nothing of the near parts; by it the weight of a draw would have no bound. Without branches, so
     that several triangles are done at a time.
@@ -60,10 +68,27 @@ def _rough_importances(
         cos_here = rise / distance
         cos_here = cos_here if cos_here > LOW else LOW
         light = sketch[8, s] * (over / distance) * cos_here / (square + sketch[7, s])
-        light = light if distance >= NEAR * radius else -1.0
+        light = light if distance >= near * radius else -1.0
         shining = (rise + radius > 0.0) & (over > FLAT * radius + rounding)
         shining &= (height > 0.0) | (sketch[9, s] > 0.0)
         out[s] = light if shining else 0.0
+
+
+@njit(**LEAF)
+def _near_importance(
+    sketch: FloatArray,
+    corners: FloatArray,
+    source: int,
+    x: float,
+    y: float,
+    z: float,
+    nx: float,
+    ny: float,
+    nz: float,
+) -> float:
+    """Illuminance in lx that the sketch of a triangle stands for, where the triangle is too near for its middle."""
+    exact = triangle_irradiance(corners[source], x, y, z, nx, ny, nz)
+    return float(sketch[8, source] / (math.pi * sketch[7, source]) * exact)
 
 
 @njit(**LEAF)
@@ -102,12 +127,11 @@ def rough_cdfs(emitters: Emitters, points: FloatArray, normals: FloatArray, cdfs
         x, y, z = points[k, 0], points[k, 1], points[k, 2]
         nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
         total = 0.0
-        _rough_importances(sketch, x, y, z, nx, ny, nz, cdfs[k])
+        _rough_importances(sketch, NEAR, x, y, z, nx, ny, nz, cdfs[k])
         for s in range(triangles):
             light = cdfs[k, s]
             if light < 0.0:
-                exact = triangle_irradiance(corners[s], x, y, z, nx, ny, nz)
-                light = sketch[8, s] / (math.pi * sketch[7, s]) * exact
+                light = _near_importance(sketch, corners, s, x, y, z, nx, ny, nz)
             total += light
             cdfs[k, s] = total
         for p in range(count - triangles):
@@ -143,50 +167,22 @@ def _strengths(emitters: Emitters) -> FloatArray:
 
 
 @njit(**LEAF)
-def _triangle_importance(
-    emitters: Emitters,
-    source: int,
-    x: float,
-    y: float,
-    z: float,
-    nx: float,
-    ny: float,
-    nz: float,
-    on_surface: bool,
-) -> float:
-    """Illuminance from a triangle were nothing in between: exact when near, by one point when far."""
+def _importance_in_space(emitters: Emitters, source: int, x: float, y: float, z: float) -> float:
+    """Light in all directions from a triangle were nothing in between: exact when near, by one point when far."""
     corners, area = emitters.corners[source], emitters.areas[source]
     height = _height(emitters, source, x, y, z)
     if height <= 0.0:
         return 0.0
     brightness = emitters.power[source] / (2.0 * area if emitters.both_sides[source] else area)
-    mx = (corners[0, 0] + corners[1, 0] + corners[2, 0]) / 3.0 - x
-    my = (corners[0, 1] + corners[1, 1] + corners[2, 1]) / 3.0 - y
-    mz = (corners[0, 2] + corners[1, 2] + corners[2, 2]) / 3.0 - z
-    square = mx * mx + my * my + mz * mz
-    if square < FAR * emitters.sketch[6, source] ** 2:
-        if on_surface:
-            return float(brightness * triangle_irradiance(corners, x, y, z, nx, ny, nz))
+    dx, dy, dz = (
+        emitters.sketch[0, source] - x,
+        emitters.sketch[1, source] - y,
+        emitters.sketch[2, source] - z,
+    )
+    square = dx * dx + dy * dy + dz * dz
+    if square < (FAR * emitters.sketch[6, source]) ** 2:
         return float(brightness * triangle_solid_angle(corners, x, y, z))
-    distance = math.sqrt(square)
-    cos_here = 1.0
-    if on_surface:
-        cos_here = (mx * nx + my * ny + mz * nz) / distance
-        if cos_here < LOW:
-            if not _rises(corners, x, y, z, nx, ny, nz):
-                return 0.0
-            cos_here = LOW
-    return float(brightness * area * height / (square * distance) * cos_here)
-
-
-@njit(**LEAF)
-def _rises(corners: FloatArray, x: float, y: float, z: float, nx: float, ny: float, nz: float) -> bool:
-    """Say whether any corner stands above the horizon of a place."""
-    highest = -math.inf
-    for k in range(3):
-        rise = (corners[k, 0] - x) * nx + (corners[k, 1] - y) * ny + (corners[k, 2] - z) * nz
-        highest = max(highest, rise)
-    return highest > 0.0
+    return float(brightness * area * height / (square * math.sqrt(square)))
 
 
 @njit(**LEAF)
@@ -222,9 +218,15 @@ def choice_cdf(
             scratch[source] = emitters.power_cdf[source]
         return True
     total = 0.0
+    if on_surface:
+        _rough_importances(emitters.sketch, FAR, x, y, z, nx, ny, nz, scratch)
     for source in range(count):
-        if source < triangles:
-            light = _triangle_importance(emitters, source, x, y, z, nx, ny, nz, on_surface)
+        if source < triangles and not on_surface:
+            light = _importance_in_space(emitters, source, x, y, z)
+        elif source < triangles:
+            light = scratch[source]
+            if light < 0.0:
+                light = _near_importance(emitters.sketch, emitters.corners, source, x, y, z, nx, ny, nz)
         else:
             light = lamp_importance(emitters, source - triangles, x, y, z, nx, ny, nz, on_surface)
         total += light * importance_in_sight(sight, row, source)

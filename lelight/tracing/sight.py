@@ -9,8 +9,6 @@ less).
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -78,14 +76,14 @@ def known_share(sight: Shares, row: int, source: int, clear_share: float) -> flo
     return float(sight[row, source] / WHOLE)
 
 
+#: Factors by which sight changes the importance of a source, by the share that comes through: that or, if it is more,
+#: twice its deviation. A share that is known leaves what deviates from it to be drawn; drawn rarely, that would be
+#: missed by most runs.
+_SHARE = np.arange(WHOLE + 1) / WHOLE
+_IN_SIGHT = LEAST + (1.0 - LEAST) * np.maximum(_SHARE, 2.0 * np.sqrt(_SHARE * (1.0 - _SHARE)))
+
+
 @njit(**LEAF)
 def importance_in_sight(sight: Shares, row: int, source: int) -> float:
-    """Factor by which sight changes the importance of a source: its share or, if that is more, twice its deviation.
-
-    A share that is known leaves what deviates from it to be drawn; drawn rarely, that would be missed by most runs. No
-    row changes nothing.
-    """
-    if row < 0:
-        return 1.0
-    share = sight[row, source] / WHOLE
-    return float(LEAST + (1.0 - LEAST) * max(share, 2.0 * math.sqrt(share * (1.0 - share))))
+    """Factor by which sight changes the importance of a source; no row changes nothing."""
+    return float(_IN_SIGHT[sight[row, source]]) if row >= 0 else 1.0
