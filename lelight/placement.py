@@ -211,7 +211,7 @@ def with_shared_clear_share(site: Site, receivers: Receivers, name: str) -> Rece
     """`with_clear_share` by as many threads as there are."""
 
     def part(own: Receivers) -> _ClearShare:
-        shared = with_clear_share(site.world, own, seed=(site.settings.seed, 3))
+        shared = with_clear_share(site.world, own, seed=(site.settings.seed, 3), among=len(receivers))
         return _ClearShare(shared.clear_share, shared.direct_doublings)
 
     def all_parts() -> _ClearShare:

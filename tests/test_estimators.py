@@ -375,20 +375,32 @@ def test_default_bound_is_the_inverse_square_of_four_spacings():
 
 
 def effort_for(target, *, most_rays=np.inf):
+    return shared_out(target=target, most_rays=most_rays)[0]
+
+
+def shared_out(*, areas=1.0, target=0.02, most_rays=np.inf):
     world, receivers = nodes_of_room()
-    areas = np.ones(len(receivers))
-    effort, _ = choose_effort(
+    return choose_effort(
         world,
         receivers,
         base=None,
-        areas=areas,
+        areas=np.broadcast_to(areas, len(receivers)),
         target=target,
         most_rays=most_rays,
         batches=12,
         seed=1,
         executor=THREADS,
     )
-    return effort
+
+
+def test_receivers_that_stand_for_more_sample_more_often():
+    """64 times the area, 64 to the power 1/6 = 2 times the samples."""
+    count = len(nodes_of_room()[1])
+    large = np.arange(count) % 2 == 0
+    _, even = shared_out()
+    _, uneven = shared_out(areas=np.where(large, 64.0, 1.0))
+    more = uneven.near_doublings - even.near_doublings
+    assert np.mean(more[large]) - np.mean(more[~large]) == pytest.approx(1.0, abs=0.15)
 
 
 def test_effort_grows_as_the_inverse_square_of_the_target():

@@ -29,6 +29,8 @@ SEEN = {
     "near": [(-1, -1, 0.01), (2, -1, 0.01), (-1, 2, 0.01)],
     "near beside": [(0.01, -1, 0.01), (2, -1, 0.01), (0.01, 2, 0.01)],
     "edge on": [(1, -1, 0.001), (3, 0, 0.001), (1, 1, 0.001)],
+    "as far as five of its sides": [(0.5, 0.5, 7), (1.5, 0.5, 7), (0.5, 1.5, 7)],
+    "long with one end near": [(0.1, 0, 0.1), (60, 0, 20), (60, 1, 20)],
     "far": [(100, 0, 0), (100, 1, 0), (100, 0, 1)],
     "far and edge on": [(100, 0, 0.1), (101, 0, 0.1), (100, 1, 0.1)],
     "almost a hemisphere": [(-9, -9, 0.1), (9, -9, 0.1), (0, 20, 0.1)],
@@ -112,6 +114,17 @@ def test_samples_follow_the_stated_density(corners):
     corners, normal, area = prepared(corners)
     points = np.array([np.multiply(d, distance) for d, distance, _ in draw(corners, normal, area)])
     assert follows(counted(corners, points), cell_probabilities(corners, normal, area))
+
+
+def test_area_stands_in_for_solid_angle_only_where_it_is_nearly_as_even():
+    """From just beyond `FAR_SIDES` the densities toward a panel overhead deviate from the even one by less than 6 %."""
+    corners, normal, area = prepared([(-0.5, -0.5, 5.8), (0.5, -0.5, 5.8), (-0.5, 0.5, 5.8)])
+    densities = np.array([density for _, _, density in draw(corners, normal, area)])
+    assert len(np.unique(densities)) > SAMPLES / 2
+    even = 1.0 / triangles.triangle_solid_angle(corners, *ORIGIN)
+    assert np.std(densities / even) < 0.06
+    near, normal, area = prepared(SEEN["long with one end near"])
+    assert len({density for _, _, density in draw(near, normal, area)}) == 1
 
 
 @each_seen

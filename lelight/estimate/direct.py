@@ -47,6 +47,8 @@ LOG2_PREVIEW = 5
 #: of two.
 LITTLE = 0.1
 LOG2_SLIT_PREVIEW, BLOCKED_AT_ONCE, SLIT_DOUBLINGS = 10, 256, 6
+#: Where there are more receivers than this, fewer rays look for slits: a twentieth of the time of a library hall.
+MANY_RECEIVERS, LOG2_ROUGH_SLIT_PREVIEW = 1 << 16, 8
 
 
 def direct_light(
@@ -181,21 +183,29 @@ def _weigh_sources(
             illuminance[k, c] = source_strength(emitters, s, c) * factor
 
 
-def with_clear_share(world: World, receivers: Receivers, *, seed: tuple[int, ...]) -> Receivers:
+def with_clear_share(
+    world: World, receivers: Receivers, *, seed: tuple[int, ...], among: int | None = None
+) -> Receivers:
     """Find out beforehand how much of the emitters' light reaches each receiver.
 
     Receivers that look all but blocked are asked again with many more rays: those that see a little, through a slit,
     will sample direct light more often than others. Among very many sources the closed form would cost more
     than it saves; there the share stays zero.
+
+    Parameters
+    ----------
+    among : how many receivers there are in all, where these are a part of them
     """
     if len(world.emitters.power) > LOCAL_CHOICE_LIMIT:
         return receivers
+    many = (among or len(receivers)) > MANY_RECEIVERS
+    log2_slit_preview = LOG2_ROUGH_SLIT_PREVIEW if many else LOG2_SLIT_PREVIEW
     share = _clear_share(world, receivers, LOG2_PREVIEW, seed)
     blocked = np.flatnonzero(share < LITTLE)
     doublings = receivers.direct_doublings.copy()
     for first in range(0, len(blocked), BLOCKED_AT_ONCE):
         asked = blocked[first : first + BLOCKED_AT_ONCE]
-        share[asked] = _clear_share(world, receivers[asked], LOG2_SLIT_PREVIEW, seed)
+        share[asked] = _clear_share(world, receivers[asked], log2_slit_preview, seed)
         doublings[asked] += _slit_doublings(share[asked])
     exact = closed_forms(world.emitters, receivers.points, receivers.normals)
     return replace(receivers, clear_share=np.where(exact, share, 0.0), direct_doublings=doublings)

@@ -63,7 +63,7 @@ BOUNDS_WITH_SPOTS = (6.4, 51.2)
 BOUND_RECEIVERS = 512
 #: Least samples of the parts in a batch, and most, as powers of two.
 LEAST, MOST = (5, 2, 2), 16
-#: Receivers on surfaces that are tried: one in so many, but more than half of these at the least, these at the most.
+#: Receivers on surfaces that are tried: one in so many, but these at the least and these at the most.
 #: Each of the others samples like the nearest that was.
 ONE_TRIED_IN, LEAST_TRIED, MOST_TRIED = 3, 1 << 14, 1 << 17
 #: Seeds of trials are apart from those of batches.
@@ -207,7 +207,7 @@ def _chosen(
     spread = replace(spread, variance=half_pooled(spread.variance, alike(some.points, some.normals)))
     direct, near = (_doublings(part, areas[tried]) for part in spread.variance[1:])
     variance, cost = spread.shared_out(direct, near, areas[tried])
-    few = _evenly_chosen(areas, CHAIN_RECEIVERS)
+    few = _strewn(np.flatnonzero(areas > 0.0), CHAIN_RECEIVERS)
     of_chains = _spread(trials, "chains", receivers[few], bound, areas[few])
     variance[0], cost[0] = np.average(of_chains.variance[0], weights=areas[few]), of_chains.cost[0]
     samples = _samples(variance, cost, target)
@@ -229,23 +229,28 @@ def _chosen(
 
 
 def _to_be_tried(receivers: Receivers) -> IntArray:
-    """Choose the receivers (k,) that a trial asks: all in space, on surfaces evenly as many as are enough."""
+    """Choose the receivers (k,) that a trial asks: all in space, on surfaces as many as are enough."""
     on_surface = np.flatnonzero(receivers.on_surface)
     wanted = min(max(len(on_surface) // ONE_TRIED_IN, LEAST_TRIED), MOST_TRIED)
-    some = on_surface[:: max(1, -(-len(on_surface) // wanted))]
+    some = _strewn(on_surface, wanted)
     return np.sort(np.concatenate([some, np.flatnonzero(~receivers.on_surface)]))
 
 
-def _evenly_chosen(areas: FloatArray, count: int) -> IntArray:
-    """Choose about so many of the receivers that count, evenly."""
-    counting = np.flatnonzero(areas > 0.0)
-    return counting[:: max(1, len(counting) // count)]
+def _strewn(receivers: IntArray, count: int) -> IntArray:
+    """Choose so many of them, one anywhere in every stretch, since nodes follow each other in patterns.
+
+    One in four nodes of a library hall, in step, is the same corner of every book.
+    """
+    if count >= len(receivers):
+        return receivers
+    places = np.arange(count) + np.random.default_rng(count).random(count)
+    return np.asarray(receivers[(places * (len(receivers) / count)).astype(np.int64)])
 
 
 def _best_bound(trials: _Trials, receivers: Receivers, areas: FloatArray) -> float:
     """Bound that asks for the fewest rays, among a few, tried on some of the receivers."""
     world, base = trials.world, trials.base
-    chosen = _evenly_chosen(areas, BOUND_RECEIVERS)
+    chosen = _strewn(np.flatnonzero(areas > 0.0), BOUND_RECEIVERS)
     few = receivers[chosen]
     factors = BOUNDS_OF_EMITTERS if base is None else BOUNDS_ON_BASE
     factors = BOUNDS_WITH_SPOTS if base is not None and base.spots else factors
