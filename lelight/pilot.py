@@ -76,10 +76,16 @@ def lit_sides(
         places, owner = _places(scene, labels, patches, sides, seed)
         outside = np.flatnonzero(~_within(world, places, labels, inner, seed))
         places, owner = places[outside], owner[outside]
-        reached = walks.reached(places, FEW_WALKS, (seed, 1))
-        reached[~reached] = walks.seen_through_slits(places[~reached], (seed, 4))
-        found = owner[reached]
-        lit[patches[found], sides[found]] = True
+        for ask in (
+            partial(walks.reached, walks=ONE_WALK, seed=(seed, 8)),
+            partial(walks.reached, walks=FEW_WALKS, seed=(seed, 1)),
+            partial(walks.seen_through_slits, seed=(seed, 4)),
+        ):
+            found = owner[ask(places)]
+            lit[patches[found], sides[found]] = True
+            # One place is enough for a side.
+            left = np.flatnonzero(~lit[patches[owner], sides[owner]])
+            places, owner = places[left], owner[left]
     return lit & open_sides(world, labels)
 
 
