@@ -2,7 +2,7 @@
 
 The error of a batch has three parts, the chains', the emitters' and the near field's. Trial batches tell the
 variance of each at every receiver. Receivers sample direct light and near field in proportion to the root of
-their variance, times a power of the area that they stand for, and the parts to the root of their variance over cost:
+their variance times a power of the area that they stand for, and the parts to the root of their variance over cost:
 that reaches a given error with the fewest rays. The trials are no part of the result, so it stays unbiased.
 """
 
@@ -50,10 +50,10 @@ MOST_DOUBLINGS, MOST_HALVINGS = 4, 2
 #: How much the variance found at one receiver in a few trials is drawn toward that of all: rare bright paths
 #: may have missed it in the trials and will not in the run.
 CAUTION = 0.1
-#: Power of the area that it stands for by which a receiver samples more. One half would serve the error that a run is
-#: asked for best, which goes by area, none the mean over all nodes. In a library hall, where books have small nodes and
-#: walls large ones, a third leaves 0.64 and 0.47 of the variance by area (near field, direct light) and adds 7 and 11 %
-#: to that of the mean node.
+#: A receiver's variance counts times this power of the area that it stands for. One would serve the error that a run is
+#: asked for, which goes by area, none the mean over all nodes. In a library hall, where books have small nodes and
+#: walls large ones, a third leaves 0.64 and 0.47 of the variance by area (near field, direct light) that none leaves,
+#: and adds 7 and 11 % to that of the mean node.
 AREA_POWER = 1.0 / 3.0
 #: Bounds of the split that are tried, against that of 1024 chains, and receivers they are tried on.
 BOUNDS_ON_BASE = (0.1, 0.4, 1.6, 6.4)
