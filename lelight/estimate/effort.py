@@ -203,13 +203,15 @@ def _chosen(
         bound = _best_bound(trials, receivers, areas)
     tried = _to_be_tried(receivers)
     some = receivers[tried]
-    spread = _spread(trials, "all", some, bound, areas[tried], chains=TRIALS)
+    chains = CHAIN_TRIALS if len(tried) < 2 * CHAIN_RECEIVERS else TRIALS
+    spread = _spread(trials, "all", some, bound, areas[tried], chains=chains)
     spread = replace(spread, variance=half_pooled(spread.variance, alike(some.points, some.normals)))
     direct, near = (_doublings(part, areas[tried]) for part in spread.variance[1:])
     variance, cost = spread.shared_out(direct, near, areas[tried])
-    few = _strewn(np.flatnonzero(areas > 0.0), CHAIN_RECEIVERS)
-    of_chains = _spread(trials, "chains", receivers[few], bound, areas[few])
-    variance[0], cost[0] = np.average(of_chains.variance[0], weights=areas[few]), of_chains.cost[0]
+    if chains < CHAIN_TRIALS:
+        few = _strewn(np.flatnonzero(areas > 0.0), CHAIN_RECEIVERS)
+        of_chains = _spread(trials, "chains", receivers[few], bound, areas[few])
+        variance[0], cost[0] = np.average(of_chains.variance[0], weights=areas[few]), of_chains.cost[0]
     samples = _samples(variance, cost, target)
     samples *= min(1.0, batches * most_rays / (len(receivers) * float(samples @ cost)))
     log2 = _log2_samples(samples, batches)
