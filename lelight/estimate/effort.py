@@ -207,6 +207,8 @@ def _chosen(
     spread = _spread(trials, "all", some, bound, areas[tried], chains=chains)
     spread = replace(spread, variance=half_pooled(spread.variance, alike(some.points, some.normals)))
     direct, near = (_doublings(part, areas[tried]) for part in spread.variance[1:])
+    # Points of planes and eyes count for themselves, also where they are so dark that they hardly count among all.
+    direct, near = (np.where(some.on_surface, part, np.maximum(part, 0)) for part in (direct, near))
     variance, cost = spread.shared_out(direct, near, areas[tried])
     if chains < CHAIN_TRIALS:
         few = _strewn(np.flatnonzero(areas > 0.0), CHAIN_RECEIVERS)
