@@ -1,9 +1,9 @@
 """Light that comes straight from the emitters, sampled from the receiver's side.
 
 Sources are drawn by what they can give at the receiver and by what is known to be in sight there, luminous triangles by
-solid angle, so a lamp costs a few rays however near it is. The unshadowed illuminance is known in closed form; a share
-of it, by source, chosen beforehand, is taken from there and only the difference is sampled (a control variate). Where
-nothing is in the way of a receiver and of the nodes around it, no noise is left.
+solid angle unless they are far, so a lamp costs a few rays however near it is. The unshadowed illuminance is known in
+closed form; a share of it, by source, chosen beforehand, is taken from there and only the difference is sampled (a
+control variate). Where nothing is in the way of a receiver and of the nodes around it, no noise is left.
 """
 
 from __future__ import annotations

@@ -206,9 +206,7 @@ def _chosen(
     chains = CHAIN_TRIALS if len(tried) < 2 * CHAIN_RECEIVERS else TRIALS
     spread = _spread(trials, "all", some, bound, areas[tried], chains=chains)
     spread = replace(spread, variance=half_pooled(spread.variance, alike(some.points, some.normals)))
-    direct, near = (_doublings(part, areas[tried]) for part in spread.variance[1:])
-    # Points of planes and eyes count for themselves, also where they are so dark that they hardly count among all.
-    direct, near = (np.where(some.on_surface, part, np.maximum(part, 0)) for part in (direct, near))
+    direct, near = (_doublings(part, some, areas[tried]) for part in spread.variance[1:])
     variance, cost = spread.shared_out(direct, near, areas[tried])
     if chains < CHAIN_TRIALS:
         few = _strewn(np.flatnonzero(areas > 0.0), CHAIN_RECEIVERS)
@@ -263,14 +261,18 @@ def _best_bound(trials: _Trials, receivers: Receivers, areas: FloatArray) -> flo
     for number, bound in enumerate(bounds):
         spread = _spread(trials, f"bound {number}", few, bound, areas[chosen])
         own = areas[chosen]
-        direct, near = (_doublings(part, own) for part in spread.variance[1:])
+        direct, near = (_doublings(part, few, own) for part in spread.variance[1:])
         variance, cost = spread.shared_out(direct, near, own)
         work.append(float(np.sqrt(variance * cost).sum()))
     return bounds[int(np.argmin(work))]
 
 
-def _doublings(variance: FloatArray, areas: FloatArray) -> IntArray:
-    """How often to double each receiver's samples (r,), by the root of its variance and by its area if it has one."""
+def _doublings(variance: FloatArray, receivers: Receivers, areas: FloatArray) -> IntArray:
+    """How often to double each receiver's samples (r,), by the root of its variance and by its area if it has one.
+
+    Points of planes and eyes count for themselves, also where they are so dark that they hardly count among all: they
+    sample no less than the rest.
+    """
     typical = float(variance.mean())
     if not typical > 0.0:
         return np.zeros(len(variance), dtype=np.int64)
@@ -279,7 +281,8 @@ def _doublings(variance: FloatArray, areas: FloatArray) -> IntArray:
     weight[weighed] = (areas[weighed] / areas[weighed].mean()) ** AREA_POWER
     share = np.sqrt(((1.0 - CAUTION) * variance + CAUTION * typical) * weight)
     doublings = np.rint(np.log2(share / share.mean()))
-    return np.asarray(np.clip(doublings, -MOST_HALVINGS, MOST_DOUBLINGS), dtype=np.int64)
+    least = np.where(receivers.on_surface, -MOST_HALVINGS, 0)
+    return np.asarray(np.clip(doublings, least, MOST_DOUBLINGS), dtype=np.int64)
 
 
 def _samples(variance: FloatArray, cost: FloatArray, target: float) -> FloatArray:

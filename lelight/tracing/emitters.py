@@ -38,7 +38,7 @@ class Emitters(NamedTuple):
     power_cdf : (T + P,) float, cumulative share of power
     weights : (C,) float, luminance weights of the channels
     of_triangle : (n_t,) int, number of the source that a scene triangle is, or -1
-    sketch : (10, T) float, what `rough_cdfs` looks at: middle (3), normal (3), radius in m around it, area over
+    sketch : (10, T) float, for the choice of sources: middle (3), normal (3), radius in m around it, area over
         pi in m², pi times the largest intensity, 1 where both sides emit
     tables : (P,) int, distribution of a point, or -1 where it is isotropic
     distributions : the tables

@@ -134,6 +134,15 @@ def _far(corners: FloatArray, x: float, y: float, z: float) -> bool:
 
 
 @njit(**LEAF)
+def _even_solid_angle(corners: FloatArray, x: float, y: float, z: float) -> float:
+    """Solid angle in sr over which a triangle is drawn evenly; 0 where it is drawn by area."""
+    if _far(corners, x, y, z):
+        return 0.0
+    omega = triangle_solid_angle(corners, x, y, z)
+    return float(omega) if omega >= SMALL_SOLID_ANGLE else 0.0
+
+
+@njit(**LEAF)
 def _density_by_area(area: float, distance: float, cos_away: float) -> float:
     return distance * distance / (area * cos_away) if cos_away > 0.0 else 0.0
 
@@ -150,8 +159,8 @@ def sample_triangle(
     distance : float, m
     density : float, 1/sr; 0 where the triangle cannot be drawn from here (seen edge on)
     """
-    omega = 0.0 if _far(corners, x, y, z) else triangle_solid_angle(corners, x, y, z)
-    if omega < SMALL_SOLID_ANGLE:
+    omega = _even_solid_angle(corners, x, y, z)
+    if omega == 0.0:
         drawn: tuple[Vector, float, float] = _by_area(corners, normal, area, x, y, z, u, v)
         return drawn
     a, b, c = directions_to_corners(corners, x, y, z)
@@ -167,8 +176,8 @@ def triangle_density(
     corners: FloatArray, normal: FloatArray, area: float, x: float, y: float, z: float, direction: Vector
 ) -> float:
     """Density in 1/sr with which `sample_triangle` draws a direction that meets the triangle."""
-    omega = 0.0 if _far(corners, x, y, z) else triangle_solid_angle(corners, x, y, z)
-    if omega >= SMALL_SOLID_ANGLE:
+    omega = _even_solid_angle(corners, x, y, z)
+    if omega > 0.0:
         return 1.0 / float(omega)
     distance = point_on_ray(corners, normal, x, y, z, direction)
     cos_away = abs(direction[0] * normal[0] + direction[1] * normal[1] + direction[2] * normal[2])
