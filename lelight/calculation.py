@@ -18,13 +18,19 @@ from lelight.estimate.batch import estimate_batch
 from lelight.estimate.blocks import Batch, Effort
 from lelight.estimate.effort import choose_effort
 from lelight.estimate.interpolation import InterpolationError
-from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, pooled_error, visible_areas
+from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, visible_areas
 from lelight.estimate.samplingplan import SamplingPlan, StartingCells
 from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
 from lelight.field import RadianceField
 from lelight.memory import allowed_memory, require_fitting, room_of_blocks
 from lelight.mesh.doubles import without_repeated_faces
-from lelight.outcome import found_at_eyes, found_at_probes, found_field, found_on_planes
+from lelight.outcome import (
+    found_at_eyes,
+    found_at_probes,
+    found_field,
+    found_on_planes,
+    std_error_of_nodes,
+)
 from lelight.plan import Plan
 from lelight.preparation import Stage, prepare
 from lelight.reach import without_dark_lamps
@@ -322,10 +328,9 @@ def _error(stage: Stage, replicates: Replicates) -> ErrorReached | None:
     """Error so far over the nodes that are seen; None before there are two replicates."""
     if replicates.count < 2:
         return None
-    seen, nodes = ~stage.mesh.hidden, slice(0, len(stage.mesh))
-    illuminance = replicates.mean[nodes]
-    std_error = pooled_error(illuminance, replicates.std_error[nodes], stage.neighbours)
-    return error_reached(illuminance[seen], std_error[seen], areas=stage.mesh.areas[seen])
+    seen = np.flatnonzero(~stage.mesh.hidden)
+    std_error = std_error_of_nodes(stage, replicates)
+    return error_reached(replicates.mean[seen], std_error[seen], areas=stage.mesh.areas[seen])
 
 
 def _found(

@@ -28,10 +28,9 @@ def found_field(
     total[:, [ILLUMINANCE, SCALAR]] = np.maximum(total[:, [ILLUMINANCE, SCALAR]], 0.0)
     # A hidden node is not there: what was found behind the wall or under the cupboard is nobody's light.
     total[stage.mesh.hidden], direct[stage.mesh.hidden] = 0.0, 0.0
-    std_error = pooled_error(replicates.mean[nodes], replicates.std_error[nodes], stage.neighbours)
     values = NodeValues(
         illuminance=total[:, ILLUMINANCE],
-        std_error=np.where(stage.mesh.hidden, 0.0, std_error),
+        std_error=np.where(stage.mesh.hidden, 0.0, std_error_of_nodes(stage, replicates)),
         direct=np.maximum(direct[:, ILLUMINANCE], 0.0),
         scalar_illuminance=total[:, SCALAR],
         light_vector=total[:, VECTOR : VECTOR + 3],
@@ -41,6 +40,12 @@ def found_field(
     )
     incident = _incident(stage, replicates) if isinstance(detail, HarmonicDetail) else None
     return RadianceField(scene, stage.mesh, values, stage.labels, stage.world, incident)
+
+
+def std_error_of_nodes(stage: Stage, replicates: Replicates) -> FloatArray:
+    """Tell the standard error of the illuminance of all nodes (n,), lx, each steadied by its neighbours."""
+    nodes = slice(0, len(stage.mesh))
+    return pooled_error(replicates.mean[nodes], replicates.std_error[nodes], stage.neighbours)
 
 
 def _stored_degrees(stage: Stage, detail: AngularDetail | None) -> IntArray:
