@@ -26,6 +26,7 @@ class Receivers:
     points, normals : (r, 3) float, m and unit length
     frames_x : (r, 3) float, unit, x axis of the local frame
     on_surface : (r,) bool
+    hidden : (r,) bool; nodes inside or under something, at which no light is estimated
     degrees : (r,) int; degree of the spherical harmonics that are kept of arriving light, 0 for none
     materials : (r,) int; -1 in space
     identity : (r,) int; number in the whole run, on which the receiver's random numbers depend
@@ -41,6 +42,7 @@ class Receivers:
     normals: FloatArray
     frames_x: FloatArray
     on_surface: BoolArray
+    hidden: BoolArray
     degrees: IntArray
     materials: IntArray
     identity: IntArray
@@ -71,6 +73,7 @@ def surface_receivers(mesh: NodeMesh, degrees: IntArray) -> Receivers:
     return replace(
         with_surface(space_receivers(mesh.positions, mesh.normals)),
         frames_x=mesh.frames_x,
+        hidden=mesh.hidden,
         degrees=degrees,
         materials=mesh.materials,
     )
@@ -89,6 +92,7 @@ def space_receivers(points: FloatArray, normals: FloatArray, *, doublings: int =
         normals=normals,
         frames_x=np.zeros_like(points),
         on_surface=np.zeros(len(points), dtype=np.bool_),
+        hidden=np.zeros(len(points), dtype=np.bool_),
         degrees=none,
         materials=none - 1,
         identity=np.arange(len(points)),

@@ -363,6 +363,21 @@ def test_blocks_chunks_and_threads_do_not_change_a_bit(monkeypatch, on_base, blo
     assert np.any(usual.angular != 0)
 
 
+def test_nothing_is_estimated_at_hidden_receivers_and_the_same_at_the_others():
+    world, receivers = nodes_of_room()
+    hidden = np.arange(len(receivers)) % 3 == 0
+    usual = one_batch(world, receivers, base=None)
+    fewer = one_batch(world, replace(receivers, hidden=hidden), base=None)
+    for name, left_out in (
+        ("direct", hidden),
+        ("indirect", hidden),
+        ("angular", hidden[receivers.degrees > 0]),
+    ):
+        assert not np.any(getattr(fewer, name)[left_out]), name
+        assert np.array_equal(getattr(fewer, name)[~left_out], getattr(usual, name)[~left_out]), name
+    assert fewer.rays < usual.rays
+
+
 def test_another_batch_is_another_estimate():
     world, receivers = nodes_of_room()
     one, other = (one_batch(world, receivers, base=None, seed=(3, k)) for k in (4, 5))
@@ -378,8 +393,9 @@ def effort_for(target, *, most_rays=np.inf):
     return shared_out(target=target, most_rays=most_rays)[0]
 
 
-def shared_out(*, areas=1.0, target=0.02, most_rays=np.inf):
-    world, receivers = nodes_of_room()
+def shared_out(*, areas=1.0, target=0.02, most_rays=np.inf, receivers=None):
+    world, all_nodes = nodes_of_room()
+    receivers = receivers or all_nodes
     return choose_effort(
         world,
         receivers,
@@ -401,6 +417,24 @@ def test_receivers_that_stand_for_more_sample_more_often():
     _, uneven = shared_out(areas=np.where(large, 64.0, 1.0))
     more = uneven.near_doublings - even.near_doublings
     assert np.mean(more[large]) - np.mean(more[~large]) == pytest.approx(1.0, abs=0.15)
+
+
+def test_hidden_receivers_have_no_say_in_the_effort():
+    """Wherever they are, be it next to the lamp."""
+    receivers = nodes_of_room()[1]
+    hidden = np.arange(len(receivers)) % 3 == 0
+    next_to_lamp = np.where(hidden[:, None], (1.7, 1.2, 2.39), receivers.points)
+    found = [
+        shared_out(
+            areas=np.where(hidden, 0.0, 1.0), receivers=replace(receivers, hidden=hidden, points=points)
+        )
+        for points in (receivers.points, next_to_lamp)
+    ]
+    assert found[0][0] == found[1][0]
+    for name in ("variance", "cost"):
+        assert np.array_equal(getattr(found[0][0], name), getattr(found[1][0], name)), name
+    for name in ("direct_doublings", "near_doublings"):
+        assert np.array_equal(*(getattr(shared, name)[~hidden] for _, shared in found)), name
 
 
 def test_effort_grows_as_the_inverse_square_of_the_target():

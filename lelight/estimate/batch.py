@@ -65,7 +65,7 @@ def estimate_batch(
         world, base, Stretch.of(effort.log2_chains, doubling), variant, (*seed, CHAINS), executor, keep
     )
     chain_seconds = perf_counter() - started
-    blocks = list(blocks_of(receivers.degrees))
+    blocks = list(blocks_of(receivers))
     parts = keep.map(
         executor,
         name,
@@ -80,10 +80,10 @@ def estimate_batch(
     )
 
 
-def blocks_of(degrees: IntArray) -> Iterator[IntArray]:
-    """Cut receivers (r,) into blocks of neighbours that keep the same angular detail."""
-    for degree in np.unique(degrees):
-        own = np.flatnonzero(degrees == degree)
+def blocks_of(receivers: Receivers) -> Iterator[IntArray]:
+    """Cut receivers into blocks of neighbours that keep the same angular detail, without the hidden ones."""
+    for degree in np.unique(receivers.degrees):
+        own = np.flatnonzero((receivers.degrees == degree) & ~receivers.hidden)
         for first in range(0, len(own), BLOCK):
             yield own[first : first + BLOCK]
 
@@ -95,7 +95,7 @@ def _assembled(
     channels: int,
     detail: Collecting | None,
 ) -> Batch:
-    """Put the blocks back in the receivers' order."""
+    """Put the blocks back in the receivers' order, with nothing at those of no block."""
     count = len(receivers)
     direct, indirect = np.zeros((count, MOMENTS, channels)), np.zeros((count, MOMENTS, channels))
     detailed = np.cumsum(receivers.degrees > 0) - 1

@@ -126,7 +126,8 @@ def choose_effort(
     receivers : the same, each with its own share of the samples
     """
     variant = variant or VARIANTS["base" if base is not None else "emitters"]
-    trials = _Trials(world, base, variant, seed, executor, keep or Keeper(), len(receivers))
+    asked = int(np.count_nonzero(~receivers.hidden))
+    trials = _Trials(world, base, variant, seed, executor, keep or Keeper(), asked)
 
     def choose() -> _Chosen:
         return _chosen(trials, receivers, areas, target, most_rays, batches)
@@ -156,7 +157,7 @@ class _Chosen:
 
 @dataclass(frozen=True)
 class _Trials:
-    """What small batches are tried on, and by whom, for a run with so many receivers."""
+    """What small batches are tried on, and by whom, for a run that asks so many receivers."""
 
     world: World
     base: BaseField | None
@@ -213,7 +214,7 @@ def _chosen(
         of_chains = _spread(trials, "chains", receivers[few], bound, areas[few])
         variance[0], cost[0] = np.average(of_chains.variance[0], weights=areas[few]), of_chains.cost[0]
     samples = _samples(variance, cost, target)
-    samples *= min(1.0, batches * most_rays / (len(receivers) * float(samples @ cost)))
+    samples *= min(1.0, batches * most_rays / (trials.receivers * float(samples @ cost)))
     log2 = _log2_samples(samples, batches)
     effort = Effort(
         log2_chains=log2[0],
@@ -231,8 +232,8 @@ def _chosen(
 
 
 def _to_be_tried(receivers: Receivers) -> IntArray:
-    """Choose the receivers (k,) that a trial asks: all in space, on surfaces as many as are enough."""
-    on_surface = np.flatnonzero(receivers.on_surface)
+    """Choose the receivers (k,) that a trial asks: all in space, of those on surfaces as many as are enough."""
+    on_surface = np.flatnonzero(receivers.on_surface & ~receivers.hidden)
     wanted = min(max(len(on_surface) // ONE_TRIED_IN, LEAST_TRIED), MOST_TRIED)
     some = _strewn(on_surface, wanted)
     return np.sort(np.concatenate([some, np.flatnonzero(~receivers.on_surface)]))
@@ -340,7 +341,7 @@ def _spread(
     chains: int = CHAIN_TRIALS,
 ) -> Spread:
     """Try a few small batches at all receivers, so many times the chains."""
-    blocks = list(blocks_of(receivers.degrees))
+    blocks = list(blocks_of(receivers))
     parts = trials.keep.map(
         trials.executor,
         f"effort/{name}",
