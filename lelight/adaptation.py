@@ -115,7 +115,7 @@ def _beyond(
     mesh: NodeMesh, off: FloatArray, tolerance: float, level: FloatArray, at_nodes: FloatArray
 ) -> BoolArray:
     """Triangles (m,) without hidden nodes where ``off`` exceeds the tolerance of the light there or on average."""
-    mean = float(np.average(at_nodes, weights=np.where(mesh.hidden, 0.0, mesh.areas)))
+    mean = float(np.average(at_nodes, weights=mesh.visible_areas))
     seen = ~mesh.hidden[mesh.triangles].any(axis=1)
     return np.asarray(seen & (off > tolerance * np.maximum(level, mean)))
 

@@ -18,7 +18,7 @@ from lelight.estimate.batch import estimate_batch
 from lelight.estimate.blocks import Batch, Effort
 from lelight.estimate.effort import choose_effort
 from lelight.estimate.interpolation import InterpolationError
-from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, visible_areas
+from lelight.estimate.replicates import ErrorReached, Replicates, error_reached
 from lelight.estimate.samplingplan import SamplingPlan, StartingCells
 from lelight.estimate.schedule import WANTED_BATCHES, Step, next_step
 from lelight.field import RadianceField
@@ -281,7 +281,7 @@ def _effort(
 ) -> tuple[Effort, Receivers]:
     """Try small batches to find what a full one should do, and how receivers share its samples."""
     areas = np.zeros(len(stage.receivers))
-    areas[: len(stage.mesh)] = visible_areas(stage.mesh.areas, stage.mesh.hidden)
+    areas[: len(stage.mesh)] = stage.mesh.visible_areas
     most_rays = np.inf
     if settings.time is not None:
         most_rays = pace.ray_rate * max(settings.time - pace.before, 0.0) / LEAST_BATCHES_IN_TIME

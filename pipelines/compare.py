@@ -198,7 +198,7 @@ def _differences(a: ResultFolder, b: ResultFolder, pairs: int) -> Iterator[Figur
 def _by_replicate(folder: ResultFolder) -> dict[Key, FloatArray]:
     """Replicates (R,) of figures that are means of what was kept; of ratings their pseudo-values."""
     kept, mesh = folder.kept, folder.mesh
-    areas = np.where(mesh.hidden, 0.0, mesh.areas)
+    areas = mesh.visible_areas
     found: dict[Key, FloatArray] = {}
     for number, name in enumerate(folder.material_names):
         own = np.where(mesh.materials == number, areas, 0.0)

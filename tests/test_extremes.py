@@ -515,7 +515,7 @@ def test_random_scenes_give_finite_light_and_no_more_than_there_is(scene: Scene)
     for column in vars(field.values).values():
         assert np.all(np.isfinite(column))
     assert np.all(field.values.illuminance >= 0.0)
-    received = np.array(made.replicates.at_nodes) @ np.where(mesh.hidden, 0.0, mesh.areas)
+    received = np.array(made.replicates.at_nodes) @ mesh.visible_areas
     albedo = max(float(np.max(m.diffuse + m.specular)) for m in scene.materials)
     emitted = float(field.world.emitters.power.sum())
     noise = float(critical_t(1.0, RANDOM_SCENES)) * received.std(ddof=1) / math.sqrt(2)

@@ -170,6 +170,7 @@ def test_hiding_copies():
     assert np.array_equal(hidden.hidden, mask)
     assert not mesh.hidden.any()
     assert hidden.positions is mesh.positions
+    assert np.array_equal(hidden.visible_areas, np.where(mask, 0.0, mesh.areas))
 
 
 @settings(max_examples=200, deadline=None)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lelight.estimate.blocks import Batch
-from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, pooled_error, visible_areas
+from lelight.estimate.replicates import ErrorReached, Replicates, error_reached, pooled_error
 from lelight.estimate.schedule import next_step
 from lelight.receivers import ILLUMINANCE, MOMENTS
 
@@ -157,8 +157,3 @@ def test_percentiles_are_by_area():
 def test_nothing_lit_has_no_error_to_speak_of_and_no_warning():
     error = error_reached(np.zeros(3), np.zeros(3), areas=np.ones(3))
     assert (error.rms, error.p95, error.p99) == (0.0, 0.0, 0.0)
-
-
-def test_hidden_nodes_have_no_area():
-    areas = visible_areas(np.array([1.0, 2.0, 3.0]), np.array([False, True, False]))
-    assert np.array_equal(areas, [1.0, 0.0, 3.0])

@@ -207,8 +207,8 @@ def _solution(world: World, mesh: NodeMesh, rows: _Rows) -> _Solved:
     """Solve for the illuminance, and tell by it where light comes from."""
     direct = rows.direct
     # The spot that a close lamp makes is left to the chains, which light leads there; rays would miss it.
-    most = BRIGHTEST_SPOT * np.average(direct, axis=0, weights=mesh.areas)
-    spots = bool(np.any(direct > SPOT * most))
+    most = BRIGHTEST_SPOT * np.average(direct, axis=0, weights=mesh.visible_areas)
+    spots = bool(np.any(direct[~mesh.hidden] > SPOT * most))
     direct = np.minimum(direct, most)
     albedo = world.reflectances.diffuse + world.reflectances.specular
     reflected = albedo[mesh.materials]

@@ -16,7 +16,7 @@ from lelight.channels import is_spectral, luminance_weighted
 from lelight.estimate.blocks import Batch
 from lelight.mesh.neighbours import half_pooled
 from lelight.receivers import ILLUMINANCE
-from lelight.scene import BoolArray, FloatArray, IntArray
+from lelight.scene import FloatArray, IntArray
 
 #: How replicates grow: by one more, or each by as many points as it has.
 Growth = Literal["append", "double"]
@@ -207,8 +207,3 @@ def pooled_error(illuminance: FloatArray, std_error: FloatArray, neighbours: Int
     scale = np.maximum(illuminance, DARK_SHARE * float(np.mean(illuminance)))
     scale = np.maximum(scale, np.finfo(float).tiny)
     return np.asarray(np.sqrt(scale * half_pooled(std_error**2 / scale, neighbours)))
-
-
-def visible_areas(areas: FloatArray, hidden: BoolArray) -> FloatArray:
-    """Areas with those of hidden nodes set to zero."""
-    return np.where(hidden, 0.0, areas)

@@ -65,6 +65,11 @@ class NodeMesh:
     triangles: IntArray
 
     @property
+    def visible_areas(self) -> FloatArray:
+        """(n,) float, m²: areas with those of hidden nodes set to zero."""
+        return np.where(self.hidden, 0.0, self.areas)
+
+    @property
     def triangle_patches(self) -> IntArray:
         """(m,) int: patch of each triangle."""
         return self.patches[self.triangles[:, 0]]
