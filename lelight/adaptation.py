@@ -25,7 +25,7 @@ from lelight.estimate.turns import Turn
 from lelight.mesh.locate import interpolate
 from lelight.mesh.nearest import nearest_points
 from lelight.mesh.nodes import NodeMesh
-from lelight.receivers import ILLUMINANCE, Receivers, joined, space_receivers, with_surface
+from lelight.receivers import ILLUMINANCE, Receivers, space_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
@@ -61,8 +61,9 @@ def bent(
     """
     keep = keep or Keeper()
     points, normals = _inside(world, mesh, labels, PLACES)
-    places = [_places(points, normals), _places(mesh.positions, mesh.normals)]
-    light = partial(_direct, world, seed)
+    hidden = np.repeat(_out_of_sight(mesh), len(PLACES))
+    places = [_places(points, normals, hidden), _places(mesh.positions, mesh.normals, mesh.hidden)]
+    light = partial(_direct, world, seed, len(points))
     inside, at_nodes = (
         _by_chunks(light, own, executor, keep, f"{name} {what}")
         for own, what in zip(places, ("inside", "at nodes"), strict=True)
@@ -97,7 +98,11 @@ def bent_by_exchange(
     """
     keep = keep or Keeper()
     points, normals = _inside(world, mesh, labels, MIDDLE)
-    places = [_all_alike(_places(points, normals)), _all_alike(_places(mesh.positions, mesh.normals))]
+    hidden = _out_of_sight(mesh)
+    places = [
+        _all_alike(_places(points, normals, hidden)),
+        _all_alike(_places(mesh.positions, mesh.normals, mesh.hidden)),
+    ]
     off = []
     for half in (0, 1):
         light = partial(_exchanged, world, replace(base, guide=None), (seed, 23 + half))
@@ -116,8 +121,12 @@ def _beyond(
 ) -> BoolArray:
     """Triangles (m,) without hidden nodes where ``off`` exceeds the tolerance of the light there or on average."""
     mean = float(np.average(at_nodes, weights=mesh.visible_areas))
-    seen = ~mesh.hidden[mesh.triangles].any(axis=1)
-    return np.asarray(seen & (off > tolerance * np.maximum(level, mean)))
+    return np.asarray(~_out_of_sight(mesh) & (off > tolerance * np.maximum(level, mean)))
+
+
+def _out_of_sight(mesh: NodeMesh) -> BoolArray:
+    """Triangles (m,) with hidden nodes."""
+    return np.asarray(mesh.hidden[mesh.triangles].any(axis=1))
 
 
 def _inside(
@@ -130,8 +139,8 @@ def _inside(
     return points, np.repeat(mesh.triangle_sides, len(places))[:, None] * world.normals[traced]
 
 
-def _places(points: FloatArray, normals: FloatArray) -> Receivers:
-    return joined([with_surface(space_receivers(points, normals))])
+def _places(points: FloatArray, normals: FloatArray, hidden: BoolArray) -> Receivers:
+    return replace(with_surface(space_receivers(points, normals)), hidden=hidden)
 
 
 def _all_alike(receivers: Receivers) -> Receivers:
@@ -157,8 +166,8 @@ def _exchanged(world: World, base: BaseField, seed: tuple[int, int], own: Receiv
     return luminance_weighted(moments[:, ILLUMINANCE])
 
 
-def _direct(world: World, seed: int, own: Receivers) -> FloatArray:
-    """Direct illuminance (k,) lx, without noise where nothing is in the way."""
-    shared = with_clear_share(world, own, seed=(seed, 21))
+def _direct(world: World, seed: int, among: int, own: Receivers) -> FloatArray:
+    """Direct illuminance (k,) lx, of so many places in all, without noise where nothing is in the way."""
+    shared = with_clear_share(world, own, seed=(seed, 21), among=among)
     moments, _ = direct_light(world, shared, samples=Stretch.of(LOG2_RAYS), seed=(seed, 22))
     return luminance_weighted(moments[:, ILLUMINANCE])

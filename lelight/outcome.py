@@ -45,7 +45,8 @@ def found_field(
 def std_error_of_nodes(stage: Stage, replicates: Replicates) -> FloatArray:
     """Tell the standard error of the illuminance of all nodes (n,), lx, each steadied by its neighbours."""
     nodes = slice(0, len(stage.mesh))
-    return pooled_error(replicates.mean[nodes], replicates.std_error[nodes], stage.neighbours)
+    illuminance, std_error = replicates.mean[nodes], replicates.std_error[nodes]
+    return pooled_error(illuminance, std_error, stage.neighbours, areas=stage.mesh.visible_areas)
 
 
 def _stored_degrees(stage: Stage, detail: AngularDetail | None) -> IntArray:

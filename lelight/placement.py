@@ -16,6 +16,7 @@ from lelight.adaptation import ROUNDS, ROUNDS_OF_EXCHANGE, bent, bent_by_exchang
 from lelight.checkpoint.keeper import Keeper
 from lelight.checkpoint.records import ARRAY, form_of
 from lelight.crowding import crowded, require_room
+from lelight.errors import SceneError
 from lelight.estimate.base import BaseField, solve_base
 from lelight.estimate.direct import with_clear_share
 from lelight.estimate.knowndirect import with_known_direct
@@ -26,7 +27,7 @@ from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
 from lelight.mesh.refinement import refine
 from lelight.mesh.remesh import remesh
 from lelight.pilot import buried, lit_sides, open_sides, stepped_aside, touching
-from lelight.receivers import Receivers, joined, space_receivers, with_surface
+from lelight.receivers import Receivers, space_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene
 from lelight.settings import Settings
 from lelight.tracing.sight import Shares
@@ -82,6 +83,8 @@ def place_nodes(site: Site, edge: float, *, exchange: bool) -> Placed:
     else:
         lit = lit_sides(scene, site.world, labels=labels, seed=seed, executor=executor, keep=keep)
     placed = _seen_nodes(site, surface, lit, "buried")
+    if placed.mesh.hidden.all():
+        raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
     if not site.settings.adaptive:
         return placed
     unrefined, tolerance = placed, site.settings.target_error
@@ -128,7 +131,7 @@ def _seen_nodes(site: Site, surface: SurfaceMesh, lit: BoolArray, name: str) -> 
     scene, world = site.scene, site.world
     mesh = stepped_aside(world, node_mesh(surface, lit))
     hidden = buried(world, mesh, seed=site.settings.seed, executor=site.executor, keep=site.keep, name=name)
-    hidden |= _spared(mesh, touching(world, mesh) & ~hidden)
+    hidden |= _spared(mesh, touching(world, mesh) & ~hidden, hidden)
     taken = crowded(world, mesh, site.labels)
     require_room(scene, world, hide(mesh, hidden), taken)
     hidden |= taken
@@ -158,9 +161,10 @@ def solved_base(
     nodes : receivers at the nodes that know how much of the emitters they see, where there are such already
     """
     mesh = placed.mesh
-    wanted = nodes_of_base(len(mesh))
-    if wanted < len(mesh):
-        coarse = edge * (len(mesh) / wanted) ** 0.5
+    seen = int(np.count_nonzero(~mesh.hidden))
+    wanted = nodes_of_base(seen)
+    if wanted < seen:
+        coarse = edge * (seen / wanted) ** 0.5
         found = site.keep.once(f"{name} mesh", lambda: _coarse_nodes(site, placed, coarse), form_of(NodeMesh))
         if len(found) < len(mesh):
             mesh, nodes = found, None
@@ -176,7 +180,7 @@ def solved_base(
         base_nodes=len(mesh),
     )
     if nodes is None:
-        nodes = joined([with_surface(space_receivers(mesh.positions, mesh.normals))])
+        nodes = replace(with_surface(space_receivers(mesh.positions, mesh.normals)), hidden=mesh.hidden)
         nodes = with_shared_clear_share(site, nodes, f"{name} clear share")
     return solve_base(
         site.world,
@@ -239,8 +243,8 @@ def with_shared_known_direct(site: Site, receivers: Receivers, sight: Shares) ->
     return replace(receivers, known_direct=site.keep.once("known direct", all_parts, ARRAY))
 
 
-def _spared(mesh: NodeMesh, mask: BoolArray) -> BoolArray:
-    """Take from the mask (n,) the nodes of patch sides that it would leave with none."""
+def _spared(mesh: NodeMesh, mask: BoolArray, hidden: BoolArray) -> BoolArray:
+    """Take from the mask (n,) the nodes of patch sides that it would leave with hidden ones (n,) at the most."""
     groups = patch_sides(mesh.patches, mesh.sides)
-    left = np.bincount(groups, ~mask)
+    left = np.bincount(groups, ~mask & ~hidden)
     return np.asarray(mask & (left[groups] > 0))

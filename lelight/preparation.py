@@ -100,8 +100,6 @@ def prepare(scene: Scene, settings: Settings, executor: Executor, keep: Keeper) 
     site = Site(scene, world, labels, settings, executor, keep)
     placed = keep.once("mesh", lambda: place_nodes(site, edge, exchange=plan.indirect), form_of(Placed))
     mesh, lit = placed.mesh, placed.lit
-    if not len(mesh):
-        raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
     keep.clock.lap("pilot")
     reached = reached_materials(scene, labels, lit)
     plan = make_plan(scene, method=settings.method, forced=settings, reached=reached)

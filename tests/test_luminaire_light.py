@@ -186,17 +186,27 @@ def test_a_lambertian_table_is_an_area_emitter_beyond_five_sizes(tmp_path):
     )
 
 
-def test_near_luminaires_closed_form_is_what_drawing_gives(tmp_path):
+#: A rectangular opening, and a round one of 0.6 m that a table of 30° steps describes.
+OPENINGS = {
+    "rectangle": ldt(batwing),
+    "circle": ldt(
+        lambertian, symmetry=1, gamma=np.arange(0.0, 181.0, 30.0), sizes=(620, 0, 80, 600, 0, 0, 0, 0, 0)
+    ),
+}
+
+
+@pytest.mark.parametrize("opening", OPENINGS)
+def test_near_luminaires_closed_form_is_what_drawing_gives(tmp_path, opening):
     """Quadrature over the opening against the mean of many draws without control variate."""
-    scene = scene_of(tmp_path, BLACK + luminaire("lamp.ldt", (2, 2, 2.5)), lamp_ldt=ldt(batwing))
+    scene = scene_of(tmp_path, BLACK + luminaire("lamp.ldt", (2, 2, 2.5)), lamp_ldt=OPENINGS[opening])
     world = build_world(scene, 1)
-    points = np.array([[2.3, 2.1, 0.9], [1.2, 2.9, 1.3], [2.0, 2.0, 1.8]])
+    points = np.array([[2.3, 2.1, 0.9], [1.2, 2.9, 1.3], [2.0, 2.0, 1.8], [2.6, 2.6, 1.9]])
     assert all(has_closed_form(world.emitters, *point, 0.0, 0.0, 1.0) for point in points)
     closed = direct_in(world, points, UP, log2_samples=0)
     from lelight.estimate.direct import direct_light
     from lelight.receivers import ILLUMINANCE, space_receivers, with_surface
 
-    receivers = with_surface(space_receivers(points, np.tile(UP, (3, 1))))
+    receivers = with_surface(space_receivers(points, np.tile(UP, (4, 1))))
     drawn = [
         direct_light(world, receivers, samples=Stretch.of(8), seed=(k, 9))[0][:, ILLUMINANCE, 0]
         for k in range(24)

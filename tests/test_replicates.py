@@ -134,13 +134,16 @@ def test_neighbours_lend_errors_in_proportion_to_their_illuminance():
     """100 lx with a square of 10 beside 1000 lx with one of 100: as counts spread, each says what the other says."""
     neighbours = np.array([[0, 1], [0, 1], [2, 2]])
     illuminance, own = np.array([100.0, 1000.0, 400.0]), np.sqrt([10.0, 100.0, 16.0])
-    assert pooled_error(illuminance, own, neighbours) == pytest.approx(own, rel=EXACT)
+    areas = np.array([1.0, 2.0, 1.0])
+    assert pooled_error(illuminance, own, neighbours, areas=areas) == pytest.approx(own, rel=EXACT)
     # Where rays of one have met nothing so far, the other, a quarter of the two, speaks for it.
     blind = np.array([0.0, 10.0, 4.0])
-    assert pooled_error(illuminance, blind, neighbours)[0] == pytest.approx(np.sqrt(0.25 * 10.0), rel=EXACT)
-    # Almost dark is as good as 5 % of the mean: (1 + 1000 + 400) / 3 x 0.05 = 23.35 lx.
-    dark = pooled_error(np.array([1.0, 1000.0, 400.0]), blind, neighbours)
-    assert dark[0] == pytest.approx(np.sqrt(0.25 * 100.0 * 23.35 / 1000.0), rel=EXACT)
+    assert pooled_error(illuminance, blind, neighbours, areas=areas)[0] == pytest.approx(
+        np.sqrt(0.25 * 10.0), rel=EXACT
+    )
+    # Almost dark is as good as 5 % of the mean: (1 + 2 x 1000 + 400) / 4 x 0.05 = 30.0125 lx.
+    dark = pooled_error(np.array([1.0, 1000.0, 400.0]), blind, neighbours, areas=areas)
+    assert dark[0] == pytest.approx(np.sqrt(0.25 * 100.0 * 30.0125 / 1000.0), rel=EXACT)
 
 
 def test_percentiles_are_by_area():

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import Executor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 
 import numpy as np
@@ -92,8 +92,12 @@ class BaseField:
     def _around(
         self, triangles: IntArray, points: FloatArray, front: BoolArray
     ) -> tuple[IntArray, FloatArray]:
-        """Nodes (k, 3) around points (k, 3) and their weights."""
-        return self.locator.find(points, self.labels[triangles], np.where(front, 1, -1))
+        """Nodes (k, 3) around points (k, 3) and their weights; none where all are hidden, as under a cupboard.
+
+        What the base said there would be lacking, and chains start from it that light what nobody sees.
+        """
+        sides = np.where(front, 1, -1)
+        return self.locator.find(points, self.labels[triangles], sides, stand_in=False)
 
 
 @njit(**COMPILED)
@@ -140,15 +144,16 @@ def solve_base(
     keep = keep or Keeper()
 
     def solve() -> _Solved:
-        chunks = [slice(first, first + CHUNK) for first in range(0, len(mesh), CHUNK)]
+        seen = np.flatnonzero(~mesh.hidden)
+        log2_rays = log2_rays_for(len(seen))
         parts = keep.map(
             executor,
             f"{name}/rows",
-            lambda chunk: _rows(world, locator, receivers[chunk], labels, seed),
-            chunks,
+            lambda own: _rows(world, locator, receivers[own], labels, seed, log2_rays),
+            [seen[first : first + CHUNK] for first in range(0, len(seen), CHUNK)],
             form_of(_Rows),
         )
-        return _solution(world, mesh, _Rows.stacked(list(parts)))
+        return _solution(world, mesh, _Rows.stacked(list(parts)).among(len(mesh), seen))
 
     solved = keep.once(name, solve, form_of(_Solved))
     return BaseField(
@@ -192,6 +197,17 @@ class _Rows:
         """Put the rows of all nodes one after the other."""
         return cls(*(np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(cls)))
 
+    def among(self, count: int, seen: IntArray) -> _Rows:
+        """Rows of so many nodes, those that there are being of these (r,), in order; the others met nothing."""
+        if len(seen) == count:
+            return self
+        of_nodes = {}
+        for name in ("direct", "sent", "counts", "asked", "clear"):
+            own = getattr(self, name)
+            of_nodes[name] = np.zeros((count, *own.shape[1:]), dtype=own.dtype)
+            of_nodes[name][seen] = own
+        return replace(self, **of_nodes)
+
 
 @dataclass(frozen=True)
 class _Solved:
@@ -221,9 +237,15 @@ def _solution(world: World, mesh: NodeMesh, rows: _Rows) -> _Solved:
     )
 
 
-def _rows(world: World, locator: Locator, receivers: Receivers, labels: IntArray, seed: int) -> _Rows:
+def log2_rays_for(nodes: float) -> int:
+    """Rays of each of so many nodes, as power of two."""
+    return int(np.clip(LOG2_ALL_RAYS - math.log2(max(nodes, 1.0)), LEAST_LOG2_RAYS, MOST_LOG2_RAYS))
+
+
+def _rows(
+    world: World, locator: Locator, receivers: Receivers, labels: IntArray, seed: int, log2_rays: int
+) -> _Rows:
     """Trace the rays of some nodes."""
-    log2_rays = int(np.clip(LOG2_ALL_RAYS - math.log2(len(locator)), LEAST_LOG2_RAYS, MOST_LOG2_RAYS))
     direct, asked, clear = direct_light_and_sight(
         world, receivers, samples=Stretch.of(LOG2_DIRECT), seed=(seed, 7)
     )

@@ -201,7 +201,7 @@ def with_clear_share(
     many = (among or len(receivers)) > MANY_RECEIVERS
     log2_slit_preview = LOG2_ROUGH_SLIT_PREVIEW if many else LOG2_SLIT_PREVIEW
     share = _clear_share(world, receivers, LOG2_PREVIEW, seed)
-    blocked = np.flatnonzero(share < LITTLE)
+    blocked = np.flatnonzero((share < LITTLE) & ~receivers.hidden)
     doublings = receivers.direct_doublings.copy()
     for first in range(0, len(blocked), BLOCKED_AT_ONCE):
         asked = blocked[first : first + BLOCKED_AT_ONCE]

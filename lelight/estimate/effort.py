@@ -28,7 +28,7 @@ from lelight.estimate.turns import Turn
 from lelight.estimate.variants import VARIANTS, Variant
 from lelight.mesh.neighbours import alike, half_pooled, most_alike
 from lelight.receivers import ILLUMINANCE, Receivers
-from lelight.scene import FloatArray, IntArray
+from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.chains import ChainVertices
 from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
@@ -206,7 +206,7 @@ def _chosen(
     some = receivers[tried]
     chains = CHAIN_TRIALS if len(tried) < 2 * CHAIN_RECEIVERS else TRIALS
     spread = _spread(trials, "all", some, bound, areas[tried], chains=chains)
-    spread = replace(spread, variance=half_pooled(spread.variance, alike(some.points, some.normals)))
+    spread = replace(spread, variance=half_pooled(spread.variance, _around(some, areas[tried] > 0.0)))
     direct, near = (_doublings(part, some, areas[tried]) for part in spread.variance[1:])
     variance, cost = spread.shared_out(direct, near, areas[tried])
     if chains < CHAIN_TRIALS:
@@ -250,6 +250,14 @@ def _strewn(receivers: IntArray, count: int) -> IntArray:
     return np.asarray(receivers[(places * (len(receivers) / count)).astype(np.int64)])
 
 
+def _around(receivers: Receivers, weighed: BoolArray) -> IntArray:
+    """Neighbours (k, 7) of receivers, of those that have a weight (k,) among their like, of the others among theirs."""
+    weighty, others = (
+        alike(receivers.points, receivers.normals, left_out=left_out) for left_out in (~weighed, weighed)
+    )
+    return np.where(weighed[:, None], weighty, others)
+
+
 def _best_bound(trials: _Trials, receivers: Receivers, areas: FloatArray) -> float:
     """Bound that asks for the fewest rays, among a few, tried on some of the receivers."""
     world, base = trials.world, trials.base
@@ -274,14 +282,14 @@ def _doublings(variance: FloatArray, receivers: Receivers, areas: FloatArray) ->
     Points of planes and eyes count for themselves, also where they are so dark that they hardly count among all: they
     sample no less than the rest.
     """
-    typical = float(variance.mean())
+    weighed = areas > 0.0
+    typical = float(variance[weighed].mean())
     if not typical > 0.0:
         return np.zeros(len(variance), dtype=np.int64)
-    weighed = areas > 0.0
     weight = np.ones(len(areas))
     weight[weighed] = (areas[weighed] / areas[weighed].mean()) ** AREA_POWER
     share = np.sqrt(((1.0 - CAUTION) * variance + CAUTION * typical) * weight)
-    doublings = np.rint(np.log2(share / share.mean()))
+    doublings = np.rint(np.log2(share / share[weighed].mean()))
     least = np.where(receivers.on_surface, -MOST_HALVINGS, 0)
     return np.asarray(np.clip(doublings, least, MOST_DOUBLINGS), dtype=np.int64)
 

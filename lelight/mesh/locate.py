@@ -32,11 +32,13 @@ class Locator:
         """Count the nodes there are to find."""
         return len(self._mesh)
 
-    def find(self, points: FloatArray, patches: IntArray, sides: IntArray) -> tuple[IntArray, FloatArray]:
+    def find(
+        self, points: FloatArray, patches: IntArray, sides: IntArray, *, stand_in: bool = True
+    ) -> tuple[IntArray, FloatArray]:
         """Find three nodes and their weights for each surface point.
 
         Hidden nodes weigh nothing; where they are all there is, the nearest visible node of the patch and
-        side stands in. Where a patch's side has no visible node the weights are zero.
+        side stands in, if any may. Where there is none the weights are zero.
 
         Parameters
         ----------
@@ -55,7 +57,7 @@ class Locator:
         triangles, weights = self._grid.find(points, groups)
         nodes = np.zeros((len(points), 3), dtype=np.int64)
         lost = _only_visible(triangles, self._mesh.triangles, self._mesh.hidden, nodes, weights)
-        if len(lost):
+        if stand_in and len(lost):
             nodes[lost, 0], weights[lost, 0] = self._nearest_visible(points[lost], groups[lost])
         return nodes, weights
 

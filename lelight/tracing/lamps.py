@@ -26,6 +26,8 @@ NODES = (0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681
 WEIGHTS = (0.17392742256872692, 0.32607257743127307, 0.32607257743127307, 0.17392742256872692)
 #: Most parts that each edge of an opening is cut into for its closed form.
 MOST_PARTS = 8
+#: Even directions of a quadrature around a round opening, in a part.
+AROUND = 8
 #: Distance in sizes below which an opening has no closed form here.
 TOO_NEAR = 0.75
 #: Steps of a table that one part of an opening may span.
@@ -206,10 +208,14 @@ def unshadowed_lamp(
     parts = min(parts, MOST_PARTS)
     total = 0.0
     for i in range(4 * parts):
-        for j in range(4 * parts):
-            q = on_figure(emitters, p, (i // 4 + NODES[i % 4]) / parts, (j // 4 + NODES[j % 4]) / parts)
-            weight = WEIGHTS[i % 4] * WEIGHTS[j % 4] / (parts * parts)
-            total += weight * _seen_from(emitters, p, q, x, y, z, nx, ny, nz)
+        u, weight_u = (i // 4 + NODES[i % 4]) / parts, WEIGHTS[i % 4] / parts
+        for j in range(AROUND * parts if emitters.round[p] else 4 * parts):
+            if emitters.round[p]:
+                v, weight_v = (j + 0.5) / (AROUND * parts), 1.0 / (AROUND * parts)
+            else:
+                v, weight_v = (j // 4 + NODES[j % 4]) / parts, WEIGHTS[j % 4] / parts
+            q = on_figure(emitters, p, u, v)
+            total += weight_u * weight_v * _seen_from(emitters, p, q, x, y, z, nx, ny, nz)
     return total
 
 
