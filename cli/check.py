@@ -111,8 +111,13 @@ def _numbers(components: NDArray[Any]) -> str:
 
 def _cost(check: Check) -> list[str]:
     found = check.forecast
-    return [
+    lines = [
         f"about {found.nodes:.0f} nodes at an edge of {found.edge:.3g} m",
         f"about {found.seconds:.0f} s to a relative standard error of {found.error:.2%}, "
         f"and {found.memory / 1e6:.0f} MB",
     ]
+    if check.adaptive:
+        lines.append(
+            "and what --adaptive adds, which shows only as it cuts the mesh: often several times as much"
+        )
+    return lines

@@ -91,7 +91,7 @@ _RUN_OPTIONS = [
         "--adaptive",
         is_flag=True,
         default=None,
-        help="Refine the mesh where light is not linear over its triangles.",
+        help="Refine the mesh where light is not linear over its triangles; --time fits the mesh before that.",
     ),
     click.option(
         "--directions", type=click.IntRange(16, MOST_DIRECTIONS), help="Directions of --method grid."

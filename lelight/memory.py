@@ -10,14 +10,19 @@ import os
 from pathlib import Path
 
 from lelight.errors import SceneError
+from lelight.estimate.base import log2_rays_for
+from lelight.estimate.guide import sides_for
 from lelight.harmonics.indices import terms
 
 #: Share of the free memory that a run takes at the most, where nothing was asked for.
 SHARE_OF_FREE = 0.7
 #: Bytes at rest: program, libraries and a scene of some thousand triangles.
 AT_REST = 5.5e8
-#: Bytes of a triangle of the scene; of a node of the base field while that is solved, before the run is at its height.
-OF_TRIANGLE, OF_BASE_NODE = 1_000.0, 3_500.0
+#: Bytes of a triangle of the scene.
+OF_TRIANGLE = 1_000.0
+#: Bytes of a node of the base field while that is solved, before the run is at its height; of each of its rays, which
+#: are there twice while they are put together; of each cell of its guide.
+OF_BASE_NODE, OF_BASE_RAY, OF_CELL = 850.0, 56.0, 13.0
 #: Bytes of a receiver at the height of a run, and arrays of angular detail, of 8 bytes a number, that exist at once.
 OF_RECEIVER, ANGULAR_ARRAYS = 1_250.0, 6.0
 #: Bytes that a worker's block needs at least.
@@ -72,7 +77,13 @@ def memory_at_rest(
     """
     detail = 8.0 * ANGULAR_ARRAYS * terms(degree) * channels
     at_height = OF_RECEIVER * receivers + detail * detailed
-    return AT_REST + OF_TRIANGLE * triangles + max(at_height, OF_BASE_NODE * base_nodes)
+    return AT_REST + OF_TRIANGLE * triangles + max(at_height, _of_base(base_nodes))
+
+
+def _of_base(nodes: float) -> float:
+    """Bytes of a base field while it is solved: few nodes have more rays and finer guides each."""
+    log2_rays = log2_rays_for(nodes)
+    return nodes * (OF_BASE_NODE + OF_BASE_RAY * 2.0**log2_rays + OF_CELL * sides_for(log2_rays) ** 2)
 
 
 def room_of_blocks(allowed: float, at_rest: float, workers: int) -> float:
@@ -118,7 +129,7 @@ def require_fitting(
     text = f"{name}: {what} take {_told(needed + LEAST_ROOM)} of memory, {_told(allowed)} are allowed; "
     if left <= 0:
         raise SceneError(f"{text}at least {_told(fixed + LEAST_ROOM)} are needed: raise --memory")
-    if OF_BASE_NODE * base_nodes > left:
+    if _of_base(base_nodes) > left:
         # So many nodes of a base are what the scene's own triangles ask for, at any edge.
         raise SceneError(f"{text}raise --memory")
     # The places of a surface grow with the inverse square of the edge.

@@ -23,6 +23,7 @@ class Check:
     ----------
     plan : as a short run on a coarse mesh found it
     forecast : what a run is expected to take and to reach
+    adaptive : whether it will refine its mesh, which no forecast sees
     """
 
     scene: Scene
@@ -30,6 +31,7 @@ class Check:
     materials: tuple[MaterialRow, ...]
     findings: tuple[Finding, ...]
     forecast: Forecast
+    adaptive: bool
 
 
 def run_check(scene_path: Path, *, settings: Settings, given: Collection[str] = ()) -> Check:
@@ -42,6 +44,7 @@ def run_check(scene_path: Path, *, settings: Settings, given: Collection[str] = 
         materials=material_table(scene),
         findings=lint(scene),
         forecast=found,
+        adaptive=settings.over(scene.settings).adaptive,
     )
 
 

@@ -420,3 +420,5 @@ def test_check_tells_plan_lint_and_cost_on_stdout(run):
     assert titles == ["Scene", "Plan", "Materials", "Lint", "A run will take"]
     assert "gloss of floor: harmonics of degree 15 by method sh" in told.stdout
     assert "1 point luminaires, 1 observers, 1 planes" in told.stdout
+    assert "--adaptive" not in told.stdout
+    assert "and what --adaptive adds" in lelight("check", run.scene, *QUICK, "--adaptive").stdout

@@ -26,7 +26,7 @@ from lelight.estimate.batch import estimate_batch
 from lelight.estimate.blocks import Effort
 from lelight.estimate.direct import direct_light, with_clear_share
 from lelight.estimate.effort import bound_for, choose_effort
-from lelight.mesh.nodes import node_mesh
+from lelight.mesh.nodes import hide, node_mesh
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import remesh
 from lelight.plan import make_plan
@@ -302,6 +302,31 @@ def test_direct_light_half_behind_a_screen_does_not_depend_on_the_share_taken_in
     assert np.all(light[0].mean(axis=0) < 0.95)
 
 
+def test_a_base_asks_nothing_of_hidden_nodes():
+    """Its light at the others is the same to the last bit, wherever the hidden ones are."""
+    scene = glossy_room(0.4, 0.3, 30.0)
+    labels = patches(scene)
+    sides = np.tile([True, False], (labels.max() + 1, 1))
+    mesh = node_mesh(remesh(scene, labels, edge=0.8), sides)
+    mesh = hide(mesh, np.arange(len(mesh)) % 5 == 0)
+    moved = replace(mesh, positions=np.where(mesh.hidden[:, None], (1.7, 1.2, 2.39), mesh.positions))
+    bases = [
+        solve_base(
+            room_world(30.0),
+            own,
+            surface_receivers(own, np.zeros(len(own), dtype=int)),
+            labels=labels,
+            lit=sides,
+            seed=1,
+            executor=THREADS,
+        )
+        for own in (mesh, moved)
+    ]
+    assert not bases[0].illuminance[mesh.hidden].any()
+    assert bases[0].illuminance[~mesh.hidden].min() > 0.0
+    assert np.array_equal(bases[0].illuminance, bases[1].illuminance)
+
+
 def nodes_of_room(exponent=30.0):
     scene = glossy_room(0.4, 0.3, exponent)
     labels = patches(scene)
@@ -435,6 +460,23 @@ def test_hidden_receivers_have_no_say_in_the_effort():
         assert np.array_equal(getattr(found[0][0], name), getattr(found[1][0], name)), name
     for name in ("direct_doublings", "near_doublings"):
         assert np.array_equal(*(getattr(shared, name)[~hidden] for _, shared in found)), name
+
+
+def test_points_in_space_have_no_say_in_how_nodes_sample():
+    """Theirs is another error, and near a lamp a large one."""
+    receivers = nodes_of_room()[1]
+    in_space = np.arange(len(receivers)) % 3 == 0
+    next_to_lamp = np.where(in_space[:, None], (1.7, 1.2, 2.39), receivers.points)
+    found = [
+        shared_out(
+            areas=np.where(in_space, 0.0, 1.0),
+            receivers=replace(receivers, on_surface=~in_space, points=points),
+        )
+        for points in (receivers.points, next_to_lamp)
+    ]
+    assert np.array_equal(found[0][0].variance, found[1][0].variance)
+    for name in ("direct_doublings", "near_doublings"):
+        assert np.array_equal(*(getattr(shared, name)[~in_space] for _, shared in found)), name
 
 
 def test_effort_grows_as_the_inverse_square_of_the_target():

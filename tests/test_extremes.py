@@ -292,8 +292,9 @@ def test_a_single_triangle() -> None:
     ray = np.array([0.3, 0.3, 1.0]) - field.mesh.positions
     np.testing.assert_allclose(field.illuminance, 100.0 / np.linalg.norm(ray, axis=1) ** 3, rtol=EXACT)
     shining = replace(alone, materials=(grey("t", 0.5, luminance=1.0),), luminaires=())
-    with pytest.raises(SceneError, match="no surface receives light"):
-        run(shining)
+    for asked in ({}, {"sides": "both"}, {"sides": "both", "adaptive": True}):
+        with pytest.raises(SceneError, match="no surface receives light"):
+            run(shining, **asked)
 
 
 @pytest.mark.parametrize("width", [4e-3, 1e-3])

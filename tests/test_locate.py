@@ -127,11 +127,13 @@ def test_among_hidden_nodes_the_nearest_visible_one_of_the_patch_side_stands_in(
     keep = np.flatnonzero(floor)[7]
     hidden = hide(mesh, floor & (np.arange(len(mesh)) != keep))
     points = mesh.vertices[floor]
-    nodes, weights = Locator(hidden).find(
-        points, np.zeros(len(points), dtype=int), np.ones(len(points), dtype=int)
-    )
+    where = points, np.zeros(len(points), dtype=int), np.ones(len(points), dtype=int)
+    nodes, weights = Locator(hidden).find(*where)
     assert_weights(weights)
     assert (np.where(weights > 0, nodes, keep) == keep).all()
+    nodes, weights = Locator(hidden).find(*where, stand_in=False)
+    assert set(np.unique(weights.sum(axis=1).round(14))) == {0.0, 1.0}
+    assert (nodes[weights > 0] == keep).all()
 
 
 def test_a_side_without_visible_nodes_weighs_nothing():
