@@ -444,39 +444,33 @@ def test_receivers_that_stand_for_more_sample_more_often():
     assert np.mean(more[large]) - np.mean(more[~large]) == pytest.approx(1.0, abs=0.15)
 
 
-def test_hidden_receivers_have_no_say_in_the_effort():
-    """Wherever they are, be it next to the lamp."""
+def every_third_in_two_places(**marked):
+    """Efforts and receivers, a third of them without area and marked: where they are, and next to the lamp."""
     receivers = nodes_of_room()[1]
-    hidden = np.arange(len(receivers)) % 3 == 0
-    next_to_lamp = np.where(hidden[:, None], (1.7, 1.2, 2.39), receivers.points)
+    third = np.arange(len(receivers)) % 3 == 0
+    next_to_lamp = np.where(third[:, None], (1.7, 1.2, 2.39), receivers.points)
+    marks = {name: mark(third) for name, mark in marked.items()}
     found = [
-        shared_out(
-            areas=np.where(hidden, 0.0, 1.0), receivers=replace(receivers, hidden=hidden, points=points)
-        )
+        shared_out(areas=np.where(third, 0.0, 1.0), receivers=replace(receivers, points=points, **marks))
         for points in (receivers.points, next_to_lamp)
     ]
-    assert found[0][0] == found[1][0]
-    for name in ("variance", "cost"):
-        assert np.array_equal(getattr(found[0][0], name), getattr(found[1][0], name)), name
     for name in ("direct_doublings", "near_doublings"):
-        assert np.array_equal(*(getattr(shared, name)[~hidden] for _, shared in found)), name
+        assert np.array_equal(*(getattr(shared, name)[~third] for _, shared in found)), name
+    return [effort for effort, _ in found]
+
+
+def test_hidden_receivers_have_no_say_in_the_effort():
+    """Wherever they are, be it next to the lamp."""
+    here, there = every_third_in_two_places(hidden=np.asarray)
+    assert here == there
+    for name in ("variance", "cost"):
+        assert np.array_equal(getattr(here, name), getattr(there, name)), name
 
 
 def test_points_in_space_have_no_say_in_how_nodes_sample():
     """Theirs is another error, and near a lamp a large one."""
-    receivers = nodes_of_room()[1]
-    in_space = np.arange(len(receivers)) % 3 == 0
-    next_to_lamp = np.where(in_space[:, None], (1.7, 1.2, 2.39), receivers.points)
-    found = [
-        shared_out(
-            areas=np.where(in_space, 0.0, 1.0),
-            receivers=replace(receivers, on_surface=~in_space, points=points),
-        )
-        for points in (receivers.points, next_to_lamp)
-    ]
-    assert np.array_equal(found[0][0].variance, found[1][0].variance)
-    for name in ("direct_doublings", "near_doublings"):
-        assert np.array_equal(*(getattr(shared, name)[~in_space] for _, shared in found)), name
+    here, there = every_third_in_two_places(on_surface=np.logical_not)
+    assert np.array_equal(here.variance, there.variance)
 
 
 def test_effort_grows_as_the_inverse_square_of_the_target():
