@@ -25,7 +25,7 @@ from lelight.estimate.turns import Turn
 from lelight.mesh.locate import interpolate
 from lelight.mesh.nearest import nearest_points
 from lelight.mesh.nodes import NodeMesh
-from lelight.receivers import ILLUMINANCE, Receivers, space_receivers, with_surface
+from lelight.receivers import ILLUMINANCE, Receivers, node_receivers, space_receivers, with_surface
 from lelight.scene import BoolArray, FloatArray, IntArray
 from lelight.tracing.sobol import Stretch
 from lelight.tracing.world import World
@@ -60,10 +60,8 @@ def bent(
     keep, name : remembers what was found under this name, if anything shall
     """
     keep = keep or Keeper()
-    points, normals = _inside(world, mesh, labels, PLACES)
-    hidden = np.repeat(_out_of_sight(mesh), len(PLACES))
-    places = [_places(points, normals, hidden), _places(mesh.positions, mesh.normals, mesh.hidden)]
-    light = partial(_direct, world, seed, len(points))
+    places = [_inside(world, mesh, labels, PLACES), node_receivers(mesh)]
+    light = partial(_direct, world, seed, len(places[0]))
     inside, at_nodes = (
         _by_chunks(light, own, executor, keep, f"{name} {what}")
         for own, what in zip(places, ("inside", "at nodes"), strict=True)
@@ -97,12 +95,7 @@ def bent_by_exchange(
     keep, name : remembers what was found under this name, if anything shall
     """
     keep = keep or Keeper()
-    points, normals = _inside(world, mesh, labels, MIDDLE)
-    hidden = _out_of_sight(mesh)
-    places = [
-        _all_alike(_places(points, normals, hidden)),
-        _all_alike(_places(mesh.positions, mesh.normals, mesh.hidden)),
-    ]
+    places = [_all_alike(each) for each in (_inside(world, mesh, labels, MIDDLE), node_receivers(mesh))]
     off = []
     for half in (0, 1):
         light = partial(_exchanged, world, replace(base, guide=None), (seed, 23 + half))
@@ -121,26 +114,17 @@ def _beyond(
 ) -> BoolArray:
     """Triangles (m,) without hidden nodes where ``off`` exceeds the tolerance of the light there or on average."""
     mean = float(np.average(at_nodes, weights=mesh.visible_areas))
-    return np.asarray(~_out_of_sight(mesh) & (off > tolerance * np.maximum(level, mean)))
+    return np.asarray(mesh.open_triangles & (off > tolerance * np.maximum(level, mean)))
 
 
-def _out_of_sight(mesh: NodeMesh) -> BoolArray:
-    """Triangles (m,) with hidden nodes."""
-    return np.asarray(mesh.hidden[mesh.triangles].any(axis=1))
-
-
-def _inside(
-    world: World, mesh: NodeMesh, labels: IntArray, places: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Points and normals (m * p, 3) of places (p, 3), in barycentric coordinates, in the triangles of the mesh."""
+def _inside(world: World, mesh: NodeMesh, labels: IntArray, places: FloatArray) -> Receivers:
+    """Receivers (m * p,) at places (p, 3), in barycentric coordinates, in the triangles; hidden where a node is."""
     flat = np.einsum("pc,mcx->mpx", places, mesh.vertices[mesh.triangles]).reshape(-1, 3)
     patches = np.repeat(mesh.triangle_patches, len(places))
     points, traced = nearest_points(flat, patches, world.caster.corners, labels)
-    return points, np.repeat(mesh.triangle_sides, len(places))[:, None] * world.normals[traced]
-
-
-def _places(points: FloatArray, normals: FloatArray, hidden: BoolArray) -> Receivers:
-    return replace(with_surface(space_receivers(points, normals)), hidden=hidden)
+    normals = np.repeat(mesh.triangle_sides, len(places))[:, None] * world.normals[traced]
+    receivers = with_surface(space_receivers(points, normals))
+    return replace(receivers, hidden=np.repeat(~mesh.open_triangles, len(places)))
 
 
 def _all_alike(receivers: Receivers) -> Receivers:

@@ -50,7 +50,7 @@ class SamplePoints:
 def sample_points(mesh: NodeMesh, *, seed: int = 0, count: int = POINTS) -> SamplePoints:
     """Draw points on the triangles of visible nodes, and directions over each."""
     rng = np.random.default_rng((seed, count))
-    open_triangles = np.flatnonzero(~mesh.hidden[mesh.triangles].any(axis=1))
+    open_triangles = np.flatnonzero(mesh.open_triangles)
     corners = mesh.vertices[mesh.triangles[open_triangles]]
     reach = np.cumsum(triangle_areas(corners))
     u = (np.arange(count) + rng.random(count)) / count

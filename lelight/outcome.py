@@ -26,8 +26,6 @@ def found_field(
     total = direct + replicates.indirect[nodes] / replicates.count
     # An unbiased estimate of almost nothing may come out below zero; light does not.
     total[:, [ILLUMINANCE, SCALAR]] = np.maximum(total[:, [ILLUMINANCE, SCALAR]], 0.0)
-    # A hidden node is not there: what was found behind the wall or under the cupboard is nobody's light.
-    total[stage.mesh.hidden], direct[stage.mesh.hidden] = 0.0, 0.0
     values = NodeValues(
         illuminance=total[:, ILLUMINANCE],
         std_error=np.where(stage.mesh.hidden, 0.0, std_error_of_nodes(stage, replicates)),
@@ -67,7 +65,6 @@ def _truncation(stage: Stage, replicates: Replicates, detail: AngularDetail | No
         receivers=stage.receivers[glossy],
         reflectances=stage.world.reflectances,
     )
-    errors[stage.mesh.hidden] = 0.0
     return errors
 
 
@@ -75,7 +72,6 @@ def _incident(stage: Stage, replicates: Replicates) -> IncidentLight:
     """Keep the mean of the arriving light, for materials to come."""
     nodes = np.flatnonzero(stage.receivers.degrees > 0)
     coefficients = (replicates.angular / replicates.count).astype(np.float32)
-    coefficients[stage.mesh.hidden[nodes]] = 0.0
     return IncidentLight(nodes, stage.receivers.degrees[nodes], coefficients)
 
 

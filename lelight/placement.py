@@ -27,7 +27,7 @@ from lelight.mesh.nodes import NodeMesh, SurfaceMesh, hide, node_mesh
 from lelight.mesh.refinement import refine
 from lelight.mesh.remesh import remesh
 from lelight.pilot import buried, lit_sides, open_sides, stepped_aside, touching
-from lelight.receivers import Receivers, space_receivers, with_surface
+from lelight.receivers import Receivers, node_receivers
 from lelight.scene import BoolArray, FloatArray, IntArray, Scene
 from lelight.settings import Settings
 from lelight.tracing.sight import Shares
@@ -180,8 +180,7 @@ def solved_base(
         base_nodes=len(mesh),
     )
     if nodes is None:
-        nodes = replace(with_surface(space_receivers(mesh.positions, mesh.normals)), hidden=mesh.hidden)
-        nodes = with_shared_clear_share(site, nodes, f"{name} clear share")
+        nodes = with_shared_clear_share(site, node_receivers(mesh), f"{name} clear share")
     return solve_base(
         site.world,
         mesh,

@@ -68,12 +68,16 @@ class Receivers:
         return [self[slice(first, first + size)] for first in range(0, len(self), size)]
 
 
+def node_receivers(mesh: NodeMesh) -> Receivers:
+    """Take the nodes of a mesh, for what arrives at them and no more."""
+    return replace(with_surface(space_receivers(mesh.positions, mesh.normals)), hidden=mesh.hidden)
+
+
 def surface_receivers(mesh: NodeMesh, degrees: IntArray) -> Receivers:
     """Take the nodes of a mesh; ``degrees`` (n,) says what angular detail each keeps."""
     return replace(
-        with_surface(space_receivers(mesh.positions, mesh.normals)),
+        node_receivers(mesh),
         frames_x=mesh.frames_x,
-        hidden=mesh.hidden,
         degrees=degrees,
         materials=mesh.materials,
     )

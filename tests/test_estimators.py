@@ -36,6 +36,7 @@ from lelight.receivers import (
     SCALAR,
     VECTOR,
     joined,
+    node_receivers,
     space_receivers,
     surface_receivers,
     with_surface,
@@ -88,11 +89,29 @@ def room_world(exponent):
 
 def base_of(scene: Scene, world, *, edge):
     """A base field on fronts only, which is all that these closed rooms need."""
+    return base_on(fronts_of(scene, edge=edge), scene, world)
+
+
+def fronts_of(scene: Scene, *, edge):
     labels = patches(scene)
-    lit_sides = np.tile([True, False], (labels.max() + 1, 1))
-    mesh = node_mesh(remesh(scene, labels, edge=edge), lit_sides)
-    nodes = surface_receivers(mesh, np.zeros(len(mesh), dtype=int))
-    return solve_base(world, mesh, nodes, labels=labels, lit=lit_sides, seed=1, executor=THREADS)
+    return node_mesh(remesh(scene, labels, edge=edge), fronts_only(labels))
+
+
+def fronts_only(labels):
+    return np.tile([True, False], (labels.max() + 1, 1))
+
+
+def base_on(mesh, scene: Scene, world):
+    labels = patches(scene)
+    return solve_base(
+        world,
+        mesh,
+        node_receivers(mesh),
+        labels=labels,
+        lit=fronts_only(labels),
+        seed=1,
+        executor=THREADS,
+    )
 
 
 @lru_cache
@@ -305,23 +324,10 @@ def test_direct_light_half_behind_a_screen_does_not_depend_on_the_share_taken_in
 def test_a_base_asks_nothing_of_hidden_nodes():
     """Its light at the others is the same to the last bit, wherever the hidden ones are."""
     scene = glossy_room(0.4, 0.3, 30.0)
-    labels = patches(scene)
-    sides = np.tile([True, False], (labels.max() + 1, 1))
-    mesh = node_mesh(remesh(scene, labels, edge=0.8), sides)
+    mesh = fronts_of(scene, edge=0.8)
     mesh = hide(mesh, np.arange(len(mesh)) % 5 == 0)
     moved = replace(mesh, positions=np.where(mesh.hidden[:, None], (1.7, 1.2, 2.39), mesh.positions))
-    bases = [
-        solve_base(
-            room_world(30.0),
-            own,
-            surface_receivers(own, np.zeros(len(own), dtype=int)),
-            labels=labels,
-            lit=sides,
-            seed=1,
-            executor=THREADS,
-        )
-        for own in (mesh, moved)
-    ]
+    bases = [base_on(own, scene, room_world(30.0)) for own in (mesh, moved)]
     assert not bases[0].illuminance[mesh.hidden].any()
     assert bases[0].illuminance[~mesh.hidden].min() > 0.0
     assert np.array_equal(bases[0].illuminance, bases[1].illuminance)
@@ -329,8 +335,7 @@ def test_a_base_asks_nothing_of_hidden_nodes():
 
 def nodes_of_room(exponent=30.0):
     scene = glossy_room(0.4, 0.3, exponent)
-    labels = patches(scene)
-    mesh = node_mesh(remesh(scene, labels, edge=0.9), np.tile([True, False], (labels.max() + 1, 1)))
+    mesh = fronts_of(scene, edge=0.9)
     return build_world(scene, 1), surface_receivers(mesh, make_plan(scene).degrees[mesh.materials])
 
 

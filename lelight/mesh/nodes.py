@@ -70,6 +70,11 @@ class NodeMesh:
         return np.where(self.hidden, 0.0, self.areas)
 
     @property
+    def open_triangles(self) -> BoolArray:
+        """(m,) bool: triangles without hidden nodes."""
+        return np.asarray(~self.hidden[self.triangles].any(axis=1))
+
+    @property
     def triangle_patches(self) -> IntArray:
         """(m,) int: patch of each triangle."""
         return self.patches[self.triangles[:, 0]]

@@ -46,7 +46,7 @@ def draw_probes(mesh: NodeMesh, corners: FloatArray, labels: IntArray, *, seed: 
     corners : (n_t, 3, 3) float, m, of the traced triangles
     labels : (n_t,) int, their patches
     """
-    open_triangles = np.flatnonzero(~mesh.hidden[mesh.triangles].any(axis=1))
+    open_triangles = np.flatnonzero(mesh.open_triangles)
     if not len(open_triangles):
         return Probes(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64), np.zeros((0, 3)))
     rng = np.random.default_rng((seed, NODES_PER_PROBE))

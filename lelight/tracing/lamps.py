@@ -197,6 +197,12 @@ def has_closed_form(
 
 
 @njit(**LEAF)
+def _gauss(k: int, parts: int) -> tuple[float, float]:
+    """Place and weight of point ``k`` of the rule on [0, 1], cut into parts."""
+    return (k // 4 + NODES[k % 4]) / parts, WEIGHTS[k % 4] / parts
+
+
+@njit(**LEAF)
 def unshadowed_lamp(
     emitters: Emitters, p: int, x: float, y: float, z: float, nx: float, ny: float, nz: float
 ) -> float:
@@ -206,14 +212,12 @@ def unshadowed_lamp(
         q = (emitters.positions[p, 0], emitters.positions[p, 1], emitters.positions[p, 2])
         return float(_seen_from(emitters, p, q, x, y, z, nx, ny, nz))
     parts = min(parts, MOST_PARTS)
+    steps = AROUND * parts if emitters.round[p] else 4 * parts
     total = 0.0
     for i in range(4 * parts):
-        u, weight_u = (i // 4 + NODES[i % 4]) / parts, WEIGHTS[i % 4] / parts
-        for j in range(AROUND * parts if emitters.round[p] else 4 * parts):
-            if emitters.round[p]:
-                v, weight_v = (j + 0.5) / (AROUND * parts), 1.0 / (AROUND * parts)
-            else:
-                v, weight_v = (j // 4 + NODES[j % 4]) / parts, WEIGHTS[j % 4] / parts
+        u, weight_u = _gauss(i, parts)
+        for j in range(steps):
+            v, weight_v = ((j + 0.5) / steps, 1.0 / steps) if emitters.round[p] else _gauss(j, parts)
             q = on_figure(emitters, p, u, v)
             total += weight_u * weight_v * _seen_from(emitters, p, q, x, y, z, nx, ny, nz)
     return total
