@@ -50,7 +50,9 @@ class SamplePoints:
 def sample_points(mesh: NodeMesh, *, seed: int = 0, count: int = POINTS) -> SamplePoints:
     """Draw points on the triangles of visible nodes, and directions over each."""
     rng = np.random.default_rng((seed, count))
-    open_triangles = np.flatnonzero(mesh.open_triangles)
+    # Where every triangle has a hidden corner, those count that have a visible one.
+    wholly = mesh.open_triangles
+    open_triangles = np.flatnonzero(wholly if wholly.any() else ~mesh.hidden[mesh.triangles].all(axis=1))
     corners = mesh.vertices[mesh.triangles[open_triangles]]
     reach = np.cumsum(triangle_areas(corners))
     u = (np.arange(count) + rng.random(count)) / count

@@ -118,7 +118,10 @@ def test_two_threads_beside_one():
 
     works = [by_threads(*work, threads) for work in ((pairs, blocks), (bare, rays)) for threads in (1, 2)]
     one, two, bare_one, bare_two = interleaved(*works, clock=time.perf_counter)
-    print(f"\ntwo threads: {one / two:.2f} times as fast as one, bare rays {bare_one / bare_two:.2f}")
+    print(
+        f"\ntwo threads: {one / two:.2f} times as fast as one, bare rays {bare_one / bare_two:.2f}; "
+        f"pairs at {bare_two / two:.3f} of the rate of bare rays"
+    )
 
 
 def test_vertices_times_64():

@@ -6,9 +6,12 @@ and efficiency, 1/(relative rms error² x CPU seconds), of interleaved runs: roo
 the rest. Errors are those of illuminance relative to max(E, 5 % of the mean), against many paths of Mitsuba whose own
 noise is taken off. ``--csv FILE`` keeps the lines, which `plot_peers` draws.
 
+Radiance runs once. Without interpolation (``-aa 0``) a place costs the same whatever the others are: it is then asked
+at the compared nodes only, and its seconds are those times all nodes over them.
+
 ``hall --target 0.05 --rounds 1`` is the library hall of 277 240 triangles. Mitsuba's rays start off surfaces by a
 share of their coordinates, 3 mm at 30 m, which is more than the gap between two books: its reference is computed
-with every place moved to the origin. Radiance is left out, it would take hours for so many nodes.
+with every place moved to the origin. Radiance with interpolation is left out, it would take hours for so many nodes.
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -33,6 +36,7 @@ from rooms import glossy_room
 
 from lelight.calculation import Calculation, calculate
 from lelight.comparison import of_estimates, sidak_level
+from lelight.mesh.nodes import NodeMesh
 from lelight.reading.loading import load
 from lelight.scene import FloatArray, IntArray, Scene
 from lelight.settings import Settings
@@ -43,14 +47,16 @@ Found = TypeVar("Found")
 #: coordinates exceed so many m.
 PLACES, MOVED_PLACES, FAR = 2000, 300, 20.0
 ROUNDS = 3
-#: Most nodes for Radiance.
+#: Most nodes for Radiance with interpolation.
 MOST_FOR_RADIANCE = 50_000
-#: Settings of ``rtrace``: fine, quick, and without interpolation.
+#: Settings of ``rtrace``: fine and quick with interpolation, quick and fine without.
 RADIANCE = (
     "-ab 5 -ad 512 -as 128 -aa 0.2 -ar 64",
     "-ab 3 -ad 256 -aa 0.3 -ar 64",
     "-ab 4 -ad 64 -aa 0 -lw 2e-3",
+    "-ab 8 -ad 1024 -as 0 -aa 0 -lw 1e-6 -ds 0.05 -dt 0 -dc 1",
 )
+EVERY_PLACE_ANEW = "-aa 0 "
 #: Paths a place of the reference, in so many batches; of a timed run at every node.
 BATCHES, IN_BATCH, TIMED = 16, 2048, 64
 DARK_SHARE = 0.05
@@ -152,26 +158,22 @@ def side_by_side(name: str, target: float, rounds: int, folder: Path) -> dict[st
     by_lelight_name = f"lelight at {target:.0%}"
 
     def by_lelight(seed: int) -> FloatArray:
-        return calculate(scene, replace(settings, seed=seed)).replicates.mean
+        return calculate(scene, replace(settings, seed=seed)).replicates.mean[nodes]
 
     def by_mitsuba(seed: int) -> FloatArray:
-        return illuminance_by_mitsuba(built, mesh.positions, mesh.normals, paths=TIMED, seed=100 + seed)
+        found = illuminance_by_mitsuba(built, mesh.positions, mesh.normals, paths=TIMED, seed=100 + seed)
+        return found[nodes]
 
-    def by_radiance(octree: Path, options: str) -> Callable[[int], FloatArray]:
-        return lambda _seed: illuminance_by_radiance(octree, mesh.positions, mesh.normals, options)
-
-    programs = {by_lelight_name: by_lelight, f"Mitsuba, {TIMED} paths": by_mitsuba}
-    if len(mesh) <= MOST_FOR_RADIANCE:
-        octree = radiance_scene(scene, folder)
-        programs |= {f"Radiance {options}": by_radiance(octree, options) for options in RADIANCE}
-    rows: dict[str, list[FloatArray]] = {told: [] for told in programs}
+    rows: dict[str, list[FloatArray]] = {by_lelight_name: [], f"Mitsuba, {TIMED} paths": []}
     for seed in range(rounds):
-        for told, work in programs.items():
+        for (told, own), work in zip(rows.items(), (by_lelight, by_mitsuba), strict=True):
             if seed == 0 and told == by_lelight_name:
-                found, cpu, wall = run.replicates.mean, *spent
+                found, cpu, wall = run.replicates.mean[nodes], *spent
             else:
                 found, cpu, wall = timed(lambda work=work, seed=seed: work(seed))
-            rows[told].append(row_of(found[nodes], cpu, wall, expected, error))
+            own.append(row_of(found, cpu, wall, expected, error))
+    for options, found, cpu, wall in by_radiance(scene, mesh, nodes, folder):
+        rows[f"Radiance {options}"] = [row_of(found, cpu, wall, expected, error)]
     found_by = {told: summed_up(own) for told, own in rows.items()}
     for told, (rms, bias, cpu, wall, efficiency) in found_by.items():
         print(
@@ -180,6 +182,24 @@ def side_by_side(name: str, target: float, rounds: int, folder: Path) -> dict[st
             flush=True,
         )
     return found_by
+
+
+def by_radiance(
+    scene: Scene, mesh: NodeMesh, nodes: IntArray, folder: Path
+) -> Iterator[tuple[str, FloatArray, float, float]]:
+    """Settings of Radiance, illuminance (k,) at the compared nodes, and CPU and wall seconds for all nodes."""
+    octree = radiance_scene(scene, folder)
+    for options in RADIANCE:
+        anew = EVERY_PLACE_ANEW in options
+        if not anew and len(mesh) > MOST_FOR_RADIANCE:
+            continue
+        asked = nodes if anew else np.arange(len(mesh))
+        points, normals = mesh.positions[asked], mesh.normals[asked]
+        found, cpu, wall = timed(
+            lambda given=(points, normals, options): illuminance_by_radiance(octree, *given)
+        )
+        share = len(asked) / len(mesh)
+        yield options, found if anew else found[nodes], cpu / share, wall / share
 
 
 def main() -> None:

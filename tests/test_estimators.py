@@ -25,7 +25,8 @@ from lelight.estimate.base import solve_base
 from lelight.estimate.batch import estimate_batch
 from lelight.estimate.blocks import Effort
 from lelight.estimate.direct import direct_light, with_clear_share
-from lelight.estimate.effort import bound_for, choose_effort
+from lelight.estimate.effort import LEAST, batches_for, bound_for, choose_effort
+from lelight.estimate.replicates import LEAST_REPLICATES
 from lelight.mesh.nodes import hide, node_mesh
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import remesh
@@ -490,6 +491,21 @@ def test_effort_keeps_to_the_rays_that_a_batch_may_take():
     free, short = effort_for(0.005), effort_for(0.005, most_rays=1e4)
     assert short.log2_chains < free.log2_chains
     assert short.log2_near < free.log2_near
+
+
+def test_batches_are_larger_where_a_part_would_do_with_less_than_its_least():
+    """Four direct samples a batch are far too many here; beside more of the others they weigh less."""
+    variance, cost, target = np.array([0.15, 1e-5, 0.025]), np.array([0.8, 3.7, 10.7]), 0.02
+    tried = Effort(*LEAST, bound=1.0, variance=variance, cost=cost)
+    count, samples = batches_for(tried, target, batches=32.0)
+    assert count >= LEAST_REPLICATES
+    assert samples[1] == 2.0 ** LEAST[1]
+    least = 2.0 ** np.array(LEAST)
+    rays = np.sum(variance / least) / target**2 * (least @ cost)
+    assert count * (samples @ cost) < 0.95 * rays
+    # A part that needs no more than it gets is no reason.
+    alike = replace(tried, variance=np.array([0.15, 0.01, 0.025]))
+    assert np.array_equal(batches_for(alike, target, batches=32.0)[1], least)
 
 
 #: What every wall of a closed room may be: black, mirrors only, nearly white, almost a mirror.

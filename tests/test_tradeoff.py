@@ -87,6 +87,17 @@ def test_the_error_of_a_field_is_measured_where_it_lies():
     assert relative_rms(1.3 * found, exact) > 0.25
 
 
+def test_points_lie_on_half_hidden_triangles_where_there_are_no_others():
+    mesh = calculate(furnace(0.5), Settings(edge=0.5, batches=8, target=0.2, threads=2)).field.mesh
+    seen = mesh.triangles[0, 0]
+    mesh = replace(mesh, hidden=np.arange(len(mesh)) != seen)
+    at = sample_points(mesh, count=64)
+    around = mesh.vertices[mesh.triangles[(mesh.triangles == seen).any(axis=1)]]
+    longest = np.linalg.norm(around - np.roll(around, 1, axis=1), axis=2).max()
+    assert np.linalg.norm(at.points - mesh.vertices[seen], axis=1).max() <= longest
+    assert set(at.patches) == {mesh.patches[seen]}
+
+
 def test_the_front_holds_what_nothing_beats():
     seconds, errors = np.array([1.0, 2.0, 3.0, 4.0, 2.0]), np.array([0.4, 0.2, 0.25, 0.1, 0.3])
     assert pareto_front(seconds, errors).tolist() == [True, True, False, True, False]

@@ -63,6 +63,8 @@ BOUNDS_WITH_SPOTS = (6.4, 51.2)
 BOUND_RECEIVERS = 512
 #: Least samples of the parts in a batch, and most, as powers of two.
 LEAST, MOST = (5, 2, 2), 16
+#: How much larger batches may be than asked for, and the share of the rays that must be left for that to be worth it.
+LARGER_BATCHES, WORTH = (2.0, 4.0), 0.97
 #: Receivers on surfaces that are tried: one in so many, but these at the least and these at the most.
 #: Each of the others samples like the nearest that was.
 ONE_TRIED_IN, LEAST_TRIED, MOST_TRIED = 3, 1 << 14, 1 << 17
@@ -213,9 +215,7 @@ def _chosen(
         few = _strewn(np.flatnonzero(areas > 0.0), CHAIN_RECEIVERS)
         of_chains = _spread(trials, "chains", receivers[few], bound, areas[few])
         variance[0], cost[0] = np.average(of_chains.variance[0], weights=areas[few]), of_chains.cost[0]
-    samples = _samples(variance, cost, target)
-    samples *= min(1.0, batches * most_rays / (trials.receivers * float(samples @ cost)))
-    log2 = _log2_samples(samples, batches)
+    log2 = _log2_samples(variance, cost, target, batches=batches, most=most_rays / trials.receivers)
     effort = Effort(
         log2_chains=log2[0],
         log2_direct=log2[1],
@@ -300,10 +300,43 @@ def _samples(variance: FloatArray, cost: FloatArray, target: float) -> FloatArra
     return np.asarray(np.sqrt(variance / cost) * np.sqrt(variance * cost).sum() / target**2)
 
 
-def _log2_samples(samples: FloatArray, batches: float) -> list[int]:
-    """Share samples out over batches: those of each part in one, as powers of two, within bounds."""
-    log2 = [round(float(np.log2(max(1.0, count / batches)))) for count in samples]
-    return [min(max(least, each), MOST) for each, least in zip(log2, LEAST, strict=True)]
+def _log2_samples(
+    variance: FloatArray, cost: FloatArray, target: float, *, batches: float, most: float = np.inf
+) -> list[int]:
+    """Share the samples out over batches: those of each part in one, as powers of two, within bounds.
+
+    Where a part has its least and would do with fewer, batches are larger if that takes fewer rays in all, since the
+    other parts then have their share; but never so large that replicates are too few.
+
+    Parameters
+    ----------
+    most : float, rays of a receiver in a batch
+    """
+    samples = _samples(variance, cost, target)
+    samples *= min(1.0, batches * most / float(samples @ cost))
+    log2 = _within_bounds(samples / batches)
+    rays = _rays(variance, cost, log2)
+    for factor in LARGER_BATCHES:
+        larger = _within_bounds(factor * samples / batches)
+        too_few = _batches(variance, larger, target) < LEAST_REPLICATES or cost @ 2.0**larger > most
+        if not too_few and _rays(variance, cost, larger) < WORTH * rays:
+            log2, rays = larger, _rays(variance, cost, larger)
+    return [int(each) for each in log2]
+
+
+def _within_bounds(samples: FloatArray) -> FloatArray:
+    """Round samples (3,) of the parts in a batch to powers of two; returns the powers."""
+    return np.asarray(np.clip(np.rint(np.log2(np.maximum(samples, 1.0))), LEAST, MOST))
+
+
+def _batches(variance: FloatArray, log2: FloatArray, target: float) -> float:
+    """Count the batches of so many samples (3,), as powers of two, that reach a target."""
+    return float(np.sum(variance / 2.0**log2)) / target**2
+
+
+def _rays(variance: FloatArray, cost: FloatArray, log2: FloatArray) -> float:
+    """Rays of a receiver that batches of so many samples (3,) need for a variance of one."""
+    return float(np.sum(variance / 2.0**log2) * (cost @ 2.0**log2))
 
 
 def batches_for(effort: Effort, target: float, *, batches: float) -> tuple[float, FloatArray]:
@@ -312,10 +345,8 @@ def batches_for(effort: Effort, target: float, *, batches: float) -> tuple[float
     A batch has its least samples, so a loose target may need fewer batches, but never fewer than a run has replicates.
     The trials of the effort tell.
     """
-    samples = _samples(effort.variance, effort.cost, target)
-    batch = 2.0 ** np.array(_log2_samples(samples, batches))
-    count = float(np.sum(effort.variance / batch)) / target**2
-    return max(count, float(LEAST_REPLICATES)), batch
+    log2 = np.array(_log2_samples(effort.variance, effort.cost, target, batches=batches), dtype=float)
+    return max(_batches(effort.variance, log2, target), float(LEAST_REPLICATES)), 2.0**log2
 
 
 def least_error(effort: Effort) -> float:
