@@ -103,7 +103,7 @@ _RUN_OPTIONS = [
         help="Keep at all nodes what relight needs for lobes up to this exponent.",
     ),
     click.option(
-        "--seed", type=click.IntRange(0, LARGEST_SEED), help="Seed of every random number. Default: 0."
+        "--seed", type=click.IntRange(0, LARGEST_SEED), help="Seed of the random numbers. Default: 0."
     ),
     click.option("--threads", type=click.IntRange(min=1), help="Default: all that may be used."),
     click.option(

@@ -33,9 +33,11 @@ from lelight.settings import Settings
 from lelight.tracing.sight import Shares
 from lelight.tracing.world import World
 
+#: Seed of what tells which sides light reaches and which nodes are buried. A side that is lit along its rim only, as
+#: those of books that all but touch, is found by chance; with the same chance in every run all have the same nodes.
+MESH_SEED = 0
 #: Receivers asked at once how much of the emitters they see.
 CLEAR_SHARE_CHUNK = 1024
-
 #: Nodes of a coarser mesh for the base field, about, but for what the scene's own triangles ask. The base is a draft:
 #: in an office of 115 000 nodes four times fewer for it cost a tenth of variance.
 COARSE_BASE_NODES = 1 << 15
@@ -81,7 +83,7 @@ def place_nodes(site: Site, edge: float, *, exchange: bool) -> Placed:
     if site.settings.sides == "both":
         lit = open_sides(site.world, labels)
     else:
-        lit = lit_sides(scene, site.world, labels=labels, seed=seed, executor=executor, keep=keep)
+        lit = lit_sides(scene, site.world, labels=labels, seed=MESH_SEED, executor=executor, keep=keep)
     placed = _seen_nodes(site, surface, lit, "buried")
     if placed.mesh.hidden.all():
         raise SceneError(f"{scene.name}: no surface receives light; check where the lamps are and face")
@@ -130,7 +132,7 @@ def _seen_nodes(site: Site, surface: SurfaceMesh, lit: BoolArray, name: str) -> 
     """Place nodes on the lit sides (n_patches, 2), hide the buried and crowded; a side with no other is not lit."""
     scene, world = site.scene, site.world
     mesh = stepped_aside(world, node_mesh(surface, lit))
-    hidden = buried(world, mesh, seed=site.settings.seed, executor=site.executor, keep=site.keep, name=name)
+    hidden = buried(world, mesh, seed=MESH_SEED, executor=site.executor, keep=site.keep, name=name)
     hidden |= _spared(mesh, touching(world, mesh) & ~hidden, hidden)
     taken = crowded(world, mesh, site.labels)
     require_room(scene, world, hide(mesh, hidden), taken)

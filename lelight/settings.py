@@ -50,7 +50,7 @@ class Settings(Forced):
     edge : float or None; edge length of the node mesh in m, None for the scene's size and the preset
     directions : int or None; directions of the hemisphere grid, only for method ``grid``
     extension : how the fit to that grid goes on below the horizon
-    seed : int, of every random number
+    seed : int, of the random numbers but those that tell which sides have nodes, see `lelight.placement`
     threads : int
     memory : float or None; bytes that the run may take, None for a share of what is free
     cluster : str or None; address of the Dask scheduler whose workers take part, see `lelight.cluster`

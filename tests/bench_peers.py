@@ -6,8 +6,9 @@ and efficiency, 1/(relative rms error² x CPU seconds), of interleaved runs: roo
 the rest. Errors are those of illuminance relative to max(E, 5 % of the mean), against many paths of Mitsuba whose own
 noise is taken off. ``--csv FILE`` keeps the lines, which `plot_peers` draws.
 
-Radiance runs once. Without interpolation (``-aa 0``) a place costs the same whatever the others are: it is then asked
-at the compared nodes only, and its seconds are those times all nodes over them.
+Radiance runs once, or not at all (``--without-radiance``; where all is gloss its fine setting takes long). Without
+interpolation (``-aa 0``) a place costs the same whatever the others are: it is then asked at the compared nodes only,
+and its seconds are those times all nodes over them.
 
 ``hall --target 0.05 --rounds 1`` is the library hall of 277 240 triangles. Mitsuba's rays start off surfaces by a
 share of their coordinates, 3 mm at 30 m, which is more than the gap between two books: its reference is computed
@@ -21,7 +22,7 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -146,7 +147,9 @@ def summed_up(rows: list[FloatArray]) -> FloatArray:
     return np.array([np.sqrt(square), bias, cpu, wall, 1.0 / (square * cpu)])
 
 
-def side_by_side(name: str, target: float, rounds: int, folder: Path) -> dict[str, FloatArray]:
+def side_by_side(
+    name: str, target: float, rounds: int, folder: Path, *, radiance: bool
+) -> dict[str, FloatArray]:
     """Print what each program does with a scene, and return it. The first run is the first round's."""
     scene = scene_for(name, folder)
     settings = replace(Settings().over(scene.settings), target=target)
@@ -172,7 +175,7 @@ def side_by_side(name: str, target: float, rounds: int, folder: Path) -> dict[st
             else:
                 found, cpu, wall = timed(lambda work=work, seed=seed: work(seed))
             own.append(row_of(found, cpu, wall, expected, error))
-    for options, found, cpu, wall in by_radiance(scene, mesh, nodes, folder):
+    for options, found, cpu, wall in by_radiance(scene, mesh, nodes, RADIANCE if radiance else (), folder):
         rows[f"Radiance {options}"] = [row_of(found, cpu, wall, expected, error)]
     found_by = {told: summed_up(own) for told, own in rows.items()}
     for told, (rms, bias, cpu, wall, efficiency) in found_by.items():
@@ -185,11 +188,11 @@ def side_by_side(name: str, target: float, rounds: int, folder: Path) -> dict[st
 
 
 def by_radiance(
-    scene: Scene, mesh: NodeMesh, nodes: IntArray, folder: Path
+    scene: Scene, mesh: NodeMesh, nodes: IntArray, settings: Sequence[str], folder: Path
 ) -> Iterator[tuple[str, FloatArray, float, float]]:
     """Settings of Radiance, illuminance (k,) at the compared nodes, and CPU and wall seconds for all nodes."""
     octree = radiance_scene(scene, folder)
-    for options in RADIANCE:
+    for options in settings:
         anew = EVERY_PLACE_ANEW in options
         if not anew and len(mesh) > MOST_FOR_RADIANCE:
             continue
@@ -208,12 +211,16 @@ def main() -> None:
     parser.add_argument("--target", type=float, default=0.02)
     parser.add_argument("--rounds", type=int, default=ROUNDS)
     parser.add_argument("--csv", type=Path)
+    parser.add_argument("--without-radiance", action="store_true")
     given = parser.parse_args()
     print(f"Mitsuba {mi.__version__}, {version()}", flush=True)
     lines = ["scene,program,rms,bias,cpu_s,wall_s,efficiency"]
     for name in given.scenes:
         with TemporaryDirectory() as folder:
-            for told, row in side_by_side(name, given.target, given.rounds, Path(folder)).items():
+            found = side_by_side(
+                name, given.target, given.rounds, Path(folder), radiance=not given.without_radiance
+            )
+            for told, row in found.items():
                 lines.append(",".join([name, f'"{told}"', *(f"{value:.4g}" for value in row)]))
         if given.csv is not None:
             given.csv.write_text("\n".join(lines) + "\n", encoding="utf-8")

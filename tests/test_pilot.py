@@ -11,10 +11,12 @@ from shapes import box, placed, solid
 
 from lelight import pilot
 from lelight.calculation import calculate
+from lelight.checkpoint.keeper import Keeper
 from lelight.mesh.nodes import node_mesh
 from lelight.mesh.patches import patches
 from lelight.mesh.remesh import remesh
 from lelight.pilot import buried, lit_sides
+from lelight.preparation import prepare
 from lelight.scene import triangle_normals
 from lelight.settings import Settings
 from lelight.tracing.world import build_world
@@ -211,3 +213,16 @@ def test_solids_on_one_another_are_dark_without_a_walk(monkeypatch):
     assert not np.any((np.abs(x - 2.5) < 0.6) & (np.abs(y - 2.5) < 0.6) & (z > 1e-9) & (z < ROOM[2] - 1e-9))
     monkeypatch.setattr(pilot, "_enclosed", lambda scene, world, labels, seed: np.zeros_like(found))
     assert np.array_equal(found, prepared(scene)[2])
+
+
+def test_nodes_are_the_same_whatever_the_seed():
+    """Slabs 2 mm apart are lit along their rims: a walk from a place between them finds out now and then."""
+    slabs = [solid((0.02, 0.25, 0.3), (1.0 + 0.022 * k, 1.0, 0.5)) for k in range(40)]
+    scene = lit(box(ROOM), *slabs, materials=[grey("a", 0.5)] * 41, luminaires=SOURCE)
+    stages = [
+        prepare(scene, Settings(edge=0.5, target=0.1, seed=seed), THREADS, Keeper()) for seed in range(3)
+    ]
+    first, *others = (stage.mesh for stage in stages)
+    for other in others:
+        assert np.array_equal(other.positions, first.positions)
+        assert np.array_equal(other.hidden, first.hidden)

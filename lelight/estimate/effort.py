@@ -318,8 +318,8 @@ def _log2_samples(
     rays = _rays(variance, cost, log2)
     for factor in LARGER_BATCHES:
         larger = _within_bounds(factor * samples / batches)
-        too_few = _batches(variance, larger, target) < LEAST_REPLICATES or cost @ 2.0**larger > most
-        if not too_few and _rays(variance, cost, larger) < WORTH * rays:
+        fits = _batches(variance, larger, target) >= LEAST_REPLICATES and cost @ 2.0**larger <= most
+        if fits and _rays(variance, cost, larger) < WORTH * rays:
             log2, rays = larger, _rays(variance, cost, larger)
     return [int(each) for each in log2]
 
