@@ -34,7 +34,7 @@ from lelight.settings import Settings
 from lelight.writing.vtpreading import read_polydata
 
 #: Long enough for replicates that double, and short.
-SETTINGS = Settings(edge=0.7, target=0.02, threads=2, adaptive=True)
+SETTINGS = Settings(edge=0.7, target=0.022, threads=2, adaptive=True)
 IDENTITY = {"versions": {"lelight": "0"}, "settings": {"seed": 1}, "files": {"room.obj": "ab"}}
 
 
