@@ -22,7 +22,7 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -175,7 +175,7 @@ def side_by_side(
             else:
                 found, cpu, wall = timed(lambda work=work, seed=seed: work(seed))
             own.append(row_of(found, cpu, wall, expected, error))
-    for options, found, cpu, wall in by_radiance(scene, mesh, nodes, RADIANCE if radiance else (), folder):
+    for options, found, cpu, wall in by_radiance(scene, mesh, nodes, folder) if radiance else ():
         rows[f"Radiance {options}"] = [row_of(found, cpu, wall, expected, error)]
     found_by = {told: summed_up(own) for told, own in rows.items()}
     for told, (rms, bias, cpu, wall, efficiency) in found_by.items():
@@ -188,11 +188,11 @@ def side_by_side(
 
 
 def by_radiance(
-    scene: Scene, mesh: NodeMesh, nodes: IntArray, settings: Sequence[str], folder: Path
+    scene: Scene, mesh: NodeMesh, nodes: IntArray, folder: Path
 ) -> Iterator[tuple[str, FloatArray, float, float]]:
     """Settings of Radiance, illuminance (k,) at the compared nodes, and CPU and wall seconds for all nodes."""
     octree = radiance_scene(scene, folder)
-    for options in settings:
+    for options in RADIANCE:
         anew = EVERY_PLACE_ANEW in options
         if not anew and len(mesh) > MOST_FOR_RADIANCE:
             continue

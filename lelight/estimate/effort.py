@@ -215,7 +215,8 @@ def _chosen(
         few = _strewn(np.flatnonzero(areas > 0.0), CHAIN_RECEIVERS)
         of_chains = _spread(trials, "chains", receivers[few], bound, areas[few])
         variance[0], cost[0] = np.average(of_chains.variance[0], weights=areas[few]), of_chains.cost[0]
-    log2 = _log2_samples(variance, cost, target, batches=batches, most=most_rays / trials.receivers)
+    samples = _batch_samples(variance, cost, target, batches=batches, most=most_rays / trials.receivers)
+    log2 = [int(each) for each in np.log2(samples)]
     effort = Effort(
         log2_chains=log2[0],
         log2_direct=log2[1],
@@ -300,10 +301,10 @@ def _samples(variance: FloatArray, cost: FloatArray, target: float) -> FloatArra
     return np.asarray(np.sqrt(variance / cost) * np.sqrt(variance * cost).sum() / target**2)
 
 
-def _log2_samples(
+def _batch_samples(
     variance: FloatArray, cost: FloatArray, target: float, *, batches: float, most: float = np.inf
-) -> list[int]:
-    """Share the samples out over batches: those of each part in one, as powers of two, within bounds.
+) -> FloatArray:
+    """Share the samples out over batches: those (3,) of each part in one, powers of two within bounds.
 
     Where a part has its least and would do with fewer, batches are larger if that takes fewer rays in all, since the
     other parts then have their share; but never so large that replicates are too few.
@@ -314,29 +315,28 @@ def _log2_samples(
     """
     samples = _samples(variance, cost, target)
     samples *= min(1.0, batches * most / float(samples @ cost))
-    log2 = _within_bounds(samples / batches)
-    rays = _rays(variance, cost, log2)
+    chosen = _within_bounds(samples / batches)
     for factor in LARGER_BATCHES:
         larger = _within_bounds(factor * samples / batches)
-        fits = _batches(variance, larger, target) >= LEAST_REPLICATES and cost @ 2.0**larger <= most
-        if fits and _rays(variance, cost, larger) < WORTH * rays:
-            log2, rays = larger, _rays(variance, cost, larger)
-    return [int(each) for each in log2]
+        fits = _batches(variance, larger, target) >= LEAST_REPLICATES and cost @ larger <= most
+        if fits and _rays(variance, cost, larger) < WORTH * _rays(variance, cost, chosen):
+            chosen = larger
+    return chosen
 
 
 def _within_bounds(samples: FloatArray) -> FloatArray:
-    """Round samples (3,) of the parts in a batch to powers of two; returns the powers."""
-    return np.asarray(np.clip(np.rint(np.log2(np.maximum(samples, 1.0))), LEAST, MOST))
+    """Round samples (3,) of the parts in a batch to powers of two."""
+    return np.asarray(2.0 ** np.clip(np.rint(np.log2(np.maximum(samples, 1.0))), LEAST, MOST))
 
 
-def _batches(variance: FloatArray, log2: FloatArray, target: float) -> float:
-    """Count the batches of so many samples (3,), as powers of two, that reach a target."""
-    return float(np.sum(variance / 2.0**log2)) / target**2
+def _batches(variance: FloatArray, samples: FloatArray, target: float) -> float:
+    """Count the batches of so many samples (3,) that reach a target."""
+    return float(np.sum(variance / samples)) / target**2
 
 
-def _rays(variance: FloatArray, cost: FloatArray, log2: FloatArray) -> float:
+def _rays(variance: FloatArray, cost: FloatArray, samples: FloatArray) -> float:
     """Rays of a receiver that batches of so many samples (3,) need for a variance of one."""
-    return float(np.sum(variance / 2.0**log2) * (cost @ 2.0**log2))
+    return float(np.sum(variance / samples) * (cost @ samples))
 
 
 def batches_for(effort: Effort, target: float, *, batches: float) -> tuple[float, FloatArray]:
@@ -345,8 +345,8 @@ def batches_for(effort: Effort, target: float, *, batches: float) -> tuple[float
     A batch has its least samples, so a loose target may need fewer batches, but never fewer than a run has replicates.
     The trials of the effort tell.
     """
-    log2 = np.array(_log2_samples(effort.variance, effort.cost, target, batches=batches), dtype=float)
-    return max(_batches(effort.variance, log2, target), float(LEAST_REPLICATES)), 2.0**log2
+    samples = _batch_samples(effort.variance, effort.cost, target, batches=batches)
+    return max(_batches(effort.variance, samples, target), float(LEAST_REPLICATES)), samples
 
 
 def least_error(effort: Effort) -> float:
